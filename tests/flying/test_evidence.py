@@ -17,7 +17,7 @@ from radmpc.flying.alarms import Watcher
 from radmpc.flying.leg import leg_of
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
-from radmpc.flying.recording.booking import recomputed
+from radmpc.flying.recording.recomputing import recomputed
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.remainder import left_of
 from radmpc.flying.warm.ahead import Ahead

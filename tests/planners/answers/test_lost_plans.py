@@ -46,7 +46,7 @@ def scene(name):
         ("bow-merge-limit-2", 11.1889),
         ("bow-merge-dear", 25.3239),
         ("contact-at-start", 4.4401),
-        ("hopeless-price", 2.92),
+        ("infeasible-price", 2.92),
         ("formation-of-three", 50.8136),
         ("formation-at-contact", 5.1941),
         ("start-of-little-room", 33.7111),
@@ -143,7 +143,7 @@ def test_only_rejected_plans_are_blamed_on_pairs_across_sets():
     apart = np.arange(3)
     assert verdict(0.04, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {}
     assert verdict(0.07, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {(0, 1): 0.03}
-    # Without the pair it would be as hopeless.
+    # Without the pair it would be as infeasible.
     assert verdict(0.9, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {}
     # One set already.
     assert verdict(0.07, ab=0.03).to_blame(np.array([0, 0, 1]), NUMBERS, 0.05) == {}
@@ -175,7 +175,7 @@ def test_where_the_fleet_may_risk_less_than_one_half_so_may_each_row():
 
 def test_a_hard_budget_finds_what_no_price_leads_to():
     # Between two plans of other sides, which all prices choose, lies a third within the budget.
-    scenario = scene("hopeless-price")
+    scenario = scene("infeasible-price")
     made = Fleet.of(scenario, 1e-3, FOREVER)
     problem = made.programs.problem((0, 1))
     budget = 0.021

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from radmpc.errors import ArgumentError, FileFormatError
 from radmpc.flying.measuring import measured
 from radmpc.flying.mission import Mission
-from radmpc.flying.recording.booking import recomputed
+from radmpc.flying.recording.recomputing import recomputed
 from radmpc.flying.tick import Contact, Tick
 from radmpc.io.flight.record import NewLeg, ScaleRow, TickRow, Touch
 from radmpc.model.plan import Plan
