@@ -143,7 +143,7 @@ def test_only_rejected_plans_are_blamed_on_pairs_across_sets():
     apart = np.arange(3)
     assert verdict(0.04, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {}
     assert verdict(0.07, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {(0, 1): 0.03}
-    # Without the pair it would be as infeasible.
+    # Without the pair it would be just as infeasible.
     assert verdict(0.9, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {}
     # One set already.
     assert verdict(0.07, ab=0.03).to_blame(np.array([0, 0, 1]), NUMBERS, 0.05) == {}
