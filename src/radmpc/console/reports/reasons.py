@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from radmpc.model.limits import TightLimit, tight_limits
+from radmpc.model.limits import tight_limits
 from radmpc.model.plan import Coupling, Plan, Status
 from radmpc.model.scenario import Scenario
 from radmpc.wording import count_text, percent
@@ -20,10 +20,10 @@ __all__ = [
 ]
 
 _MOST_REASONS = 4
-"""Reasons of an infeasible scenario that a report lists; the rest is counted."""
+"""Reasons for planning together that a report lists; the rest is counted."""
 
 _MOST_LIMITS = 4
-"""Limits out of a vehicle's reach that a report lists; the rest is counted."""
+"""Limits in use, and vehicles at one of them, that a report lists; the rest is counted."""
 
 _SPENT = 0.97
 """Share of the risk bound beyond which it counts as used up."""
@@ -99,17 +99,25 @@ def limits_text(plan: Plan) -> str:
     # A planner that exceeds the bound was not held up by it.
     if certified is not None and _SPENT * bound <= certified <= bound:
         texts.append(f"the risk bound ({100.0 * certified / bound:.0f} % of it spent)")
-    limits = tight_limits(plan)
-    texts += [_limit(limit) for limit in limits[:_MOST_LIMITS]]
-    hidden = len(limits) - _MOST_LIMITS
-    if hidden > 0:
+    alike: dict[tuple[str, int], list[str]] = {}
+    for limit in tight_limits(plan):
+        alike.setdefault((limit.limit, limit.num_steps), []).append(limit.vehicle)
+    groups = list(alike.items())
+    texts += [_limits(kind, steps, names) for (kind, steps), names in groups[:_MOST_LIMITS]]
+    hidden = sum(len(names) for _, names in groups[_MOST_LIMITS:])
+    if hidden:
         texts.append(count_text(hidden, "more limit"))
     return ", ".join(texts)
 
 
-def _limit(limit: TightLimit) -> str:
-    """Return one limit and how long it is in use."""
-    return f"{limit.limit} limit of {limit.vehicle} ({count_text(limit.num_steps, 'step')})"
+def _limits(kind: str, num_steps: int, names: Sequence[str]) -> str:
+    """Return one limit, whose it is and how long it is in use."""
+    steps = count_text(num_steps, "step")
+    if len(names) == 1:
+        return f"{kind} limit of {names[0]} ({steps})"
+    hidden = len(names) - _MOST_LIMITS
+    more = f" and {hidden} more" if hidden > 0 else ""
+    return f"{kind} limits of {', '.join(names[:_MOST_LIMITS])}{more} ({steps} each)"
 
 
 def cost_text(plan: Plan) -> str:
