@@ -21,12 +21,12 @@ from radmpc.wording import count_text, told
 __all__ = ["PATIENCE", "Flight", "Flyable", "fly"]
 
 PATIENCE = 600.0
-"""How long a worker is waited for at most where nobody says how long [s]."""
+"""Longest wait for a worker where no other is given [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flight:
-    """What became of a mission.
+    """A mission as it was flown.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Flight:
         return bool(self.contacts)
 
     def __repr__(self) -> str:
-        """Return what became of it in one line."""
+        """Return it in one line."""
         adopted = sum(entry.what == "adopted" for entry in self.account)
         hit = count_text(len(self.contacts), "contact") if self.contacts else "no collision"
         steps = count_text(len(self.states) - 1, "step")
@@ -165,7 +165,7 @@ def fly(
 
 
 def _check_flyable(mission: object, backend: object) -> None:
-    """Refuse what has not the methods of a mission and of a backend."""
+    """Refuse objects without the methods of a mission, or of a backend."""
     if not (hasattr(mission, "step") and hasattr(mission, "wait")):
         is_planned = isinstance(mission, Plan | Result)
         hint = ": radmpc.Mission makes one" if is_planned else ""

@@ -129,7 +129,7 @@ def check_memory(scenario: Scenario) -> None:
 
 
 def check_forgetful(scenario: Scenario) -> None:
-    """Refuse what a mission of many windows cannot hand from one to the next.
+    """Refuse scenarios whose state a mission cannot hand on from window to window.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def check_forgetful(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        As of `check_memory`, and if covariances are known up to a factor only, disturbances outlast
+        As in `check_memory`, and if covariances are known up to a factor only, disturbances outlast
         a step, states are measured with noise, or an obstacle's place is not known exactly.
     """
     check_memory(scenario)

@@ -65,7 +65,7 @@ def reasons_text(plan: Plan) -> str:
 
 
 def _sure_text(sure: Sequence[Coupling]) -> str:
-    """Return one sentence about all who would surely collide."""
+    """Return one sentence about all pairs that would almost surely collide."""
     pairs = [f"{c.vehicle} and {c.other}" for c in sure[:_MOST_REASONS]]
     hidden = len(sure) - len(pairs)
     pairs += [count_text(hidden, "more pair")] if hidden else []

@@ -78,7 +78,7 @@ def plan_report(
 
 
 def _plan_rows(plan: Plan, preset: str, *, bounds_risk: bool) -> dict[str, Text | str]:
-    """Return what there is to say of trajectories."""
+    """Return the rows about trajectories."""
     rows: dict[str, Text | str] = {
         "cost": cost_text(plan),
         "certificate": verdict(plan.risk.certified, plan.risk.bound),
@@ -163,7 +163,7 @@ def ledger_table(plan: Plan) -> Table:
 
 
 def vehicle_table(plan: Plan) -> Table:
-    """Return who bears the risk: the two of a pair half of it each."""
+    """Return the risk by vehicle: each of a pair bears half of theirs."""
     names = [vehicle.name for vehicle in plan.scenario.vehicles]
     parts = risk_by_vehicle(plan.risk.ledger, names)
     totals = {name: sum(causes.values()) for name, causes in parts.items()}

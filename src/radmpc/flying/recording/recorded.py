@@ -42,7 +42,7 @@ class RecordedMission(Mission):
     FileFormatError
         If the rows cannot be recomputed.
     RadmpcError
-        As of `Mission`.
+        As in `Mission`.
     """
 
     def __init__(
