@@ -14,7 +14,7 @@ import numpy as np
 from radmpc.arrays import Indices
 from radmpc.model.plan import Plan
 from radmpc.referee.simulation.collisions import Flags
-from radmpc.referee.simulation.flight import Chunk, Flight
+from radmpc.referee.simulation.flight import Chunk, SampledFleet
 from radmpc.referee.simulation.preparation import prepare
 from radmpc.referee.simulation.watch import Watch
 
@@ -72,7 +72,7 @@ def measure_overlap(plan: Plan, samples: int, seed: int) -> Overlap:
 class _Counting(Chunk):
     """Flights that go on after a collision: every encounter is tested in every window."""
 
-    def __init__(self, flight: Flight, size: int) -> None:
+    def __init__(self, flight: SampledFleet, size: int) -> None:
         super().__init__(flight, size)
         self.events = 0
         self.encounters: dict[tuple[int, int, int], Flags] = {}
@@ -95,7 +95,7 @@ class _Counting(Chunk):
             self.encounters[name] = flags if known is None else known | flags
 
 
-def _count(flight: Flight, size: int, rng: np.random.Generator) -> tuple[int, int, int]:
+def _count(flight: SampledFleet, size: int, rng: np.random.Generator) -> tuple[int, int, int]:
     """Return flights, encounters and events that go wrong in a chunk."""
     chunk = _Counting(flight, size)
     chunk.fly(rng)

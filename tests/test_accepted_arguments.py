@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -13,7 +14,8 @@ import pytest
 import radmpc
 from radmpc import Goal, Obstacle
 from radmpc.arguments import told
-from radmpc.experiments.families import circle
+from radmpc.experiments.families import circle, paper
+from radmpc.wording import count_text
 
 SCENE = circle(2)
 PLAN = radmpc.plan(SCENE, "dlp").require()
@@ -61,3 +63,25 @@ def test_a_value_is_told_in_one_short_line(value: object, text: str) -> None:
 def test_a_name_with_a_nul_is_no_file_to_write_either() -> None:
     with pytest.raises(radmpc.FileFormatError, match="is no file name"):
         radmpc.save_plan(PLAN, "a\0b")
+
+
+@pytest.mark.parametrize(
+    ("number", "text"), [(0, "0 steps"), (1, "1 step"), (2, "2 steps"), (100, "100 steps")]
+)
+def test_one_of_a_kind_is_told_in_the_singular(number: int, text: str) -> None:
+    assert count_text(number, "step") == text
+
+
+def test_a_scenario_of_one_vehicle_is_shown_in_the_singular() -> None:
+    scene = paper(1, 0)
+    rocks = "1 obstacle" if len(scene.obstacles) == 1 else f"{len(scene.obstacles)} obstacles"
+    assert f", 1 vehicle, {rocks}, " in repr(scene)
+
+
+def test_the_log_of_a_search_counts_one_set_in_the_singular(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    with caplog.at_level(logging.INFO, logger="radmpc"):
+        assert radmpc.plan(circle(2)).is_certified
+    lines = [record.getMessage() for record in caplog.records]
+    assert any("plan: 1 set; " in line for line in lines)

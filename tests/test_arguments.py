@@ -245,6 +245,20 @@ ARGUMENTS: dict[str, tuple[Call, str]] = {
     "a fleet of none": (lambda: fleet(0, 0), r"num_vehicles must be .*, got 0"),
     "a fleet's seed": (lambda: fleet(8, -1), r"seed must be an integer >= 0, got -1"),
     "too many boxes": (lambda: clutter(2, 2000, 0), r"num_boxes must be an integer from 0 to 1024"),
+    "a plan to fly": (
+        lambda: radmpc.fly(PLAN, radmpc.Model(SCENE)),
+        r"mission must be a Mission or a LongMission, got a Plan: radmpc.Mission makes one",
+    ),
+    "a name to fly with": (
+        lambda: radmpc.fly(radmpc.Mission(radmpc.plan(SCENE, "rmpc")), "model"),
+        r"backend must have reset and advance, as radmpc.Model has, got 'model'",
+    ),
+    "a log's name to identify": (
+        lambda: radmpc.identify("log.csv"),
+        r"tracks must be a sequence of Track, got 'log.csv': read_logs of radmpc.importing.logs",
+    ),
+    "one track to identify": (lambda: radmpc.identify(PLAN), r"tracks must be .*, got a Plan"),
+    "plans to identify": (lambda: radmpc.identify([PLAN]), r"tracks must be .*, got a Plan in"),
     "one name to compare": (
         lambda: compare(SCENE, "ira"),
         r"planners must be a sequence of names, got 'ira'",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -14,8 +15,12 @@ from scipy.sparse import csr_array
 
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.experiments.families import paper
+from radmpc.identification.track import Track
 from radmpc.importing import formats
 from radmpc.importing.formats import import_scenario
+from radmpc.importing.logs import reading
+from radmpc.importing.logs.reading import read_logs
+from radmpc.importing.logs.recording import Recording
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.io.export import exporting
 from radmpc.io.export.exporting import export_plan
@@ -208,3 +213,23 @@ def test_a_format_of_ones_own_is_written(monkeypatch):
     [content] = exported.files.values()
     [v1, _] = planned.trajectories
     assert json.loads(content)["toys"]["v1"] == pytest.approx(v1.means[-1, :2].tolist())
+
+
+def read_toy_log(path: Path) -> Recording:
+    """Return the vehicle of a toy log: a line of numbers, its place at every second."""
+    x = np.array([float(word) for word in path.read_text(encoding="utf-8").split()])
+    places = np.column_stack([x, 0.0 * x])
+    return Recording((Track("duck", str(path), str(path), np.arange(float(len(x))), places),))
+
+
+def test_a_format_of_logs_of_ones_own_is_read(monkeypatch, tmp_path):
+    path = tmp_path / "pond.quack"
+    path.write_text("0 1 2.5 4", encoding="utf-8")
+    with pytest.raises(FileFormatError, match=r"a log must end in .*, or be the folder of a bag"):
+        read_logs([path])
+    monkeypatch.setitem(reading._READERS, ".quack", read_toy_log)
+    [track] = read_logs([path]).tracks
+    assert track.name == "duck"
+    assert track.positions[:, 0].tolist() == [0.0, 1.0, 2.5, 4.0]
+    with pytest.raises(FileFormatError, match=r"\.quack"):
+        read_logs([tmp_path / "pond.moo"])

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+import radmpc
 from radmpc.version import __version__
 
 ROOT = Path(__file__).parent.parent
@@ -127,3 +128,29 @@ def num_lines(function: ast.FunctionDef) -> int:
     first = function.body[0]
     told = first.end_lineno - first.lineno + 1 if ast.get_docstring(function) else 0
     return function.end_lineno - first.lineno + 1 - told
+
+
+NAMESAKES = {"Track": "planners/certified/turned/narrow/track.py"}
+"""Classes of the name of a public one, where they never meet it: places along one path."""
+
+
+def classes() -> list[tuple[str, str]]:
+    """Return the names of all public classes of the package's files, each with its file."""
+    found = []
+    for path in sorted((ROOT / "src" / "radmpc").rglob("*.py")):
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                found.append((node.name, path.relative_to(ROOT / "src" / "radmpc").as_posix()))
+    return found
+
+
+def test_a_name_of_the_public_interface_is_that_of_one_class_alone() -> None:
+    public = set(radmpc.__all__)
+    others = [(n, path) for n, path in classes() if NAMESAKES.get(n) != path and n in public]
+    assert [n for n, count in Counter(n for n, _ in others).items() if count > 1] == []
+
+
+def test_no_package_has_two_classes_of_one_name() -> None:
+    # Each engine has its tuned constants, and reads no others'.
+    names = Counter((n, path.split("/")[0]) for n, path in classes() if n != "Tuning")
+    assert [who for who, count in names.items() if count > 1] == []

@@ -27,7 +27,7 @@ _TOO_FAR = 1e150
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Facets:
-    """What the hull of points is bounded by.
+    """The faces that bound the hull of points.
 
     Attributes
     ----------
@@ -172,7 +172,7 @@ def _of_body(points: Matrix) -> Facets:
 
 
 def _qhull(points: Matrix) -> ConvexHull:
-    """Return what Qhull says of points that span space."""
+    """Return Qhull's faces of points that span space."""
     from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415 - the plane does without
 
     try:

@@ -27,7 +27,7 @@ from radmpc.referee import certify
 from radmpc.result import Result
 from radmpc.solvers.solution import Limits, never
 
-__all__ = ["plan", "seconds_granted"]
+__all__ = ["plan", "seconds_allowed"]
 
 
 def plan(
@@ -98,7 +98,7 @@ def plan(
     check_callable(improved, "improved")
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
     generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed)
-    time_limit = seconds_granted(record, time_limit)
+    time_limit = seconds_allowed(record, time_limit)
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
     limits = Limits(deadline, never if stop is None else stop, time_limit)
     judge = partial(verdict_of, scenario, record)
@@ -126,7 +126,7 @@ def plan(
     return Result(judged, certificate, draft.steps, draft.events)
 
 
-def seconds_granted(planner: Planner, time_limit: float | None) -> float | None:
+def seconds_allowed(planner: Planner, time_limit: float | None) -> float | None:
     """Return the time limit of a planner: the one asked for, or its own; None is none.
 
     Parameters

@@ -7,7 +7,7 @@ from numbers import Real
 
 import numpy as np
 
-__all__ = ["one", "percent", "told"]
+__all__ = ["count_text", "one", "percent", "told"]
 
 _LONGEST = 60
 """Letters of a value that a message shows; longer ones are shortened."""
@@ -41,3 +41,16 @@ def one(kind: type) -> str:
 def percent(share: float) -> str:
     """Return what a cost could fall by as a percentage of two digits: ``3.4 %``."""
     return f"{100.0 * share if share > _ROUNDING else 0.0:.2g} %"
+
+
+def count_text(number: int, noun: str) -> str:
+    """Return a number and its noun, which ends in s unless there is one.
+
+    Parameters
+    ----------
+    number : int
+        How many.
+    noun : str
+        Of what; its plural must end in s.
+    """
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -63,9 +63,9 @@ def crossing_plan(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 
 @pytest.fixture
-def hopeless(tmp_path: Path) -> Path:
+def infeasible(tmp_path: Path) -> Path:
     """The same with too little time to get there."""
-    path = tmp_path / "hopeless.yaml"
+    path = tmp_path / "infeasible.yaml"
     path.write_text(CROSSING.replace("horizon: 6", "horizon: 2"), encoding="utf-8")
     return path
 

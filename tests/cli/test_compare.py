@@ -66,8 +66,8 @@ def test_compare_draws_a_panel_per_planner(run, crossing, tmp_path):
     assert drawn.count('id="path:east"') == 2
 
 
-def test_compare_says_no_where_no_planner_has_a_plan(run, hopeless):
-    result = run("compare", hopeless, "--planners", "certified,distance", "--samples", 100)
+def test_compare_says_no_where_no_planner_has_a_plan(run, infeasible):
+    result = run("compare", infeasible, "--planners", "certified,distance", "--samples", 100)
     assert result.exit_code == 1
     assert "certified: " in result.stdout
     assert "infeasible" in result.stdout

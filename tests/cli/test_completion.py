@@ -13,6 +13,7 @@ from radmpc.cli import app
 from radmpc.console.completing import (
     BACKENDS,
     FORMATS,
+    LOGS,
     PLANNERS,
     complete_backend,
     complete_format,
@@ -24,6 +25,7 @@ from radmpc.console.completing import (
     complete_scenario,
 )
 from radmpc.flying import backends
+from radmpc.importing.logs import reading
 from radmpc.io.export import exporting
 from radmpc.planners.presets import COMPARED, DEFAULT, PRESETS
 
@@ -66,6 +68,7 @@ def test_the_words_completed_are_those_that_commands_take() -> None:
     assert tuple(PRESETS) == PLANNERS
     assert exporting.FORMATS == FORMATS
     assert tuple(backends.BACKENDS) == BACKENDS
+    assert (*reading._TABLES, *reading._READERS) == LOGS
 
 
 def test_help_names_what_is_taken_when_nothing_is_given() -> None:

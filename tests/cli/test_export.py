@@ -145,8 +145,8 @@ def test_wrong_words_are_one_line(
     assert not Path("x").exists()
 
 
-def test_a_file_without_a_plan_has_nothing_to_export(run: Run, hopeless: Path) -> None:
-    run("plan", hopeless, "-o", "none.json")
+def test_a_file_without_a_plan_has_nothing_to_export(run: Run, infeasible: Path) -> None:
+    run("plan", infeasible, "-o", "none.json")
     result = run("export", "none.json", "--to", "csv", "-o", "out.csv")
     assert result.exit_code == 1
     assert "cannot reach its goal" in assert_one_line(result.stderr)

@@ -46,8 +46,8 @@ def test_the_risk_ledger_is_drawn_where_it_is_told(run: Run, crossing: Path) -> 
     assert Path("risk.svg").read_text(encoding="utf-8").startswith("<?xml")
 
 
-def test_a_ledger_without_a_plan_is_still_drawn(run: Run, hopeless: Path) -> None:
-    assert run("plan", hopeless, "--ledger", "risk.png").exit_code == 1
+def test_a_ledger_without_a_plan_is_still_drawn(run: Run, infeasible: Path) -> None:
+    assert run("plan", infeasible, "--ledger", "risk.png").exit_code == 1
     assert Path("risk.png").exists()
 
 
@@ -101,15 +101,15 @@ def test_a_certificate_above_the_bound_is_said_plainly(run: Run, crossing: Path)
     assert len(content["vehicles"]) == 2
 
 
-def test_without_a_report_the_reason_stands_on_stderr(run: Run, hopeless: Path) -> None:
-    result = run("plan", hopeless, "--json")
+def test_without_a_report_the_reason_stands_on_stderr(run: Run, infeasible: Path) -> None:
+    result = run("plan", infeasible, "--json")
     assert result.exit_code == 1
     assert "cannot reach its goal" in json.loads(result.stdout)["explanation"]
     assert "cannot reach its goal" in assert_one_line(result.stderr)
 
 
-def test_without_a_plan_the_reason_is_given(run: Run, hopeless: Path) -> None:
-    result = run("plan", hopeless, "-o", "a.json", "--figure", "a.png")
+def test_without_a_plan_the_reason_is_given(run: Run, infeasible: Path) -> None:
+    result = run("plan", infeasible, "-o", "a.json", "--figure", "a.png")
     assert result.exit_code == 1
     assert "east" in result.stdout
     assert "cannot reach its goal" in result.stdout
@@ -129,8 +129,8 @@ def test_a_limit_without_a_plan_is_told_in_few_words(run: Run, crossing: Path) -
     assert (result.stdout + line).count("before any plan") <= 2
 
 
-def test_json_without_a_plan_is_still_one_object(run: Run, hopeless: Path) -> None:
-    result = run("plan", hopeless, "--json")
+def test_json_without_a_plan_is_still_one_object(run: Run, infeasible: Path) -> None:
+    result = run("plan", infeasible, "--json")
     assert result.exit_code == 1
     assert json.loads(result.stdout)["status"] == "infeasible"
     assert_one_line(result.stderr)

@@ -168,7 +168,7 @@ def test_a_part_that_waits_is_loaded_by_whoever_asks() -> None:
 def test_a_small_scenario_is_planned_without_other_planners_and_fallbacks(
     planning: set[str],
 ) -> None:
-    assert "radmpc.planners.certified.planning" in planning
+    assert "radmpc.planners.certified.certified" in planning
     assert planning & (OTHER_PLANNERS | RARELY) == set()
 
 

@@ -113,8 +113,8 @@ def test_arrays_that_do_not_fit_are_a_no_not_a_crash(run: Run, plan_file: Path) 
         assert_one_line(result.stderr)
 
 
-def test_a_file_without_a_plan_does_not_hold(run: Run, hopeless: Path) -> None:
-    run("plan", hopeless, "-o", "none.json")
+def test_a_file_without_a_plan_does_not_hold(run: Run, infeasible: Path) -> None:
+    run("plan", infeasible, "-o", "none.json")
     result = run("verify", "none.json")
     assert result.exit_code == 1
     assert "cannot reach its goal" in result.stdout

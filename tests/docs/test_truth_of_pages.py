@@ -4,7 +4,8 @@ import re
 import tomllib
 from itertools import pairwise
 
-from pages import PAGES, ROOT, first_column, name_of
+import pytest
+from pages import PAGES, ROOT, first_column, name_of, section
 from ruamel.yaml import YAML
 
 import radmpc
@@ -41,17 +42,39 @@ def test_the_floors_page_lists_the_floors_of_the_contract_in_their_order() -> No
     assert [h for h, below in pairwise(heights) if h > below + 1] == []
 
 
+def stands(dotted: str) -> bool:
+    """Whether ``io.native.plan_file`` or ``referee.certify`` is a file, package or name there."""
+    if any((folder / dotted).is_file() for folder in (ROOT, SOURCE)):
+        return True
+    place, words = SOURCE, dotted.removeprefix("radmpc.").split(".")
+    for number, word in enumerate(words):
+        if (place / word).is_dir():
+            place /= word
+            continue
+        file = place / f"{word}.py"
+        if file.is_file():
+            return all(re.search(rf"\b{w}\b", file.read_text("utf-8")) for w in words[number + 1 :])
+        inside = "\n".join(path.read_text(encoding="utf-8") for path in place.rglob("*.py"))
+        return place != SOURCE and number == len(words) - 1 and f" {word}" in inside
+    return True
+
+
 def test_files_and_names_of_the_floors_page_exist() -> None:
     page = (ROOT / "docs" / "floors.md").read_text(encoding="utf-8")
-    text = code()
-    for quoted in re.findall(r"`(\w+)\.(\w+)`", page):
-        package, name = quoted
-        if any((folder / ".".join(quoted)).is_file() for folder in (ROOT, SOURCE)):
-            continue
-        path = SOURCE / package
-        exists = (path / f"{name}.py").is_file() or re.search(rf"\b{name}\b", text)
-        assert exists, quoted
-        assert path.exists() or path.with_suffix(".py").is_file() or package == "radmpc", quoted
+    dotted = set(re.findall(r"`(\w+(?:\.\w+)+)`", page))
+    assert len(dotted) >= 12
+    assert [name for name in sorted(dotted) if not stands(name)] == []
+    paths = re.findall(r"`(\w+(?:/\w+)*/\w+\.py)`", page)
+    assert [path for path in paths if not any((f / path).exists() for f in (ROOT, SOURCE))] == []
+    later = section(ROOT / "docs" / "floors.md", "## Where what comes next will live")
+    floors = re.findall(r"^\| [^|`]+ \| `([\w.]+)`", later, re.M)
+    assert floors
+    assert [floor for floor in floors if not stands(floor)] == []
+
+
+@pytest.mark.parametrize("name", ["io.native.no_file", "referee.certifies", "page.map", "page"])
+def test_a_floor_or_a_name_that_is_not_there_is_noticed(name: str) -> None:
+    assert not stands(name)
 
 
 def test_files_and_names_of_the_paper_map_exist() -> None:

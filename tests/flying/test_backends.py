@@ -56,3 +56,17 @@ def test_an_extra_that_is_missed_only_when_the_backend_is_made_is_named_too(
 def test_an_option_that_a_backend_does_not_take_is_named() -> None:
     with pytest.raises(ArgumentTypeError, match="'model' takes no option 'wind', got 3"):
         backend_named("model").make(paper(2, seed=1), rng=0, wind=3)
+
+
+def test_a_defect_of_a_backend_is_not_told_as_an_option_that_it_does_not_take(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def factory(scenario: object, rng: object, *, wind: float) -> None:
+        raise TypeError(f"blow() got an unexpected keyword argument 'wind': {wind}")
+
+    module = ModuleType("made_up")
+    monkeypatch.setattr(module, "factory", factory, raising=False)
+    monkeypatch.setitem(sys.modules, "made_up", module)
+    with pytest.raises(TypeError, match=r"blow\(\) got") as caught:
+        BackendKind("gale", "made_up:factory", None, "").make(paper(2, seed=1), rng=0, wind=3)
+    assert not isinstance(caught.value, ArgumentError)

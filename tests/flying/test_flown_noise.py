@@ -27,7 +27,7 @@ from radmpc.flying.knowing import expected_start
 from radmpc.flying.leg import leg_of
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
-from radmpc.flying.recording.booking import recomputed
+from radmpc.flying.recording.recomputing import recomputed
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.remainder import left_of
 from radmpc.flying.sensing.observing import Observer

@@ -82,7 +82,7 @@ def test_charts_of_both_formats_become_one_scenario_in_one_frame(tmp_path: Path)
     np.testing.assert_allclose(away, [-0.5 * 65.04, 1.0 * 111.33], atol=0.05)
     assert (
         imported.choices["layers"]
-        == "fleet, shore as obstacle, as asked; 1 features of others are left out"
+        == "fleet, shore as obstacle, as asked; left out: 1 feature of others"
     )
 
 

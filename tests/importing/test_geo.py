@@ -114,7 +114,7 @@ def test_of_any_other_area_the_rest_of_its_box_becomes_obstacles(tmp_path: Path)
     assert area == pytest.approx(0.5 * 0.6 * 65.04 * 0.3 * 111.34, rel=0.02)
     source = scenario.source
     assert source is not None
-    assert "its bounding box is the workspace, the rest of that 1 obstacles" in str(source)
+    assert "its bounding box is the workspace, the rest of that 1 obstacle" in str(source)
 
 
 def test_holes_of_the_area_are_obstacles(tmp_path: Path) -> None:

@@ -99,7 +99,7 @@ def test_a_radius_that_is_asked_for_moves_the_workspace_with_it(tmp_path: Path) 
 def test_a_grid_in_which_no_way_is_free_says_so_on_import(tmp_path: Path) -> None:
     text = SMALL.replace("[[1, 1], [2, 1]]", "[[1, 0], [1, 1], [1, 2]]")
     imported = import_scenario(written(tmp_path, text))
-    assert "between start and goal of 'a' a hull of 0.25 m finds no way" in imported.warnings[0]
+    assert "between start and goal of 'a' a hull of 0.25 m finds no path" in imported.warnings[0]
     assert "it might" not in imported.warnings[0]
 
 

@@ -103,7 +103,7 @@ def test_zigzag_is_given_time_for_its_detours_and_for_taking_turns() -> None:
 def test_parking_leaves_no_room_for_noise_and_its_hulls_are_reduced_with_a_warning() -> None:
     imported = import_scenario(FOLDER / "parking.yaml")
     assert {v.radius for v in imported.scenario.vehicles} == {2.0}
-    assert imported.warnings[1].startswith("hulls were reduced from 2.5 m to 2 m: some way is so")
+    assert imported.warnings[1].startswith("hulls were reduced from 2.5 m to 2 m: some passage is")
     assert imported.choices["radius"].startswith("reduced from 2.5 m to 2 m")
 
 
@@ -111,8 +111,8 @@ def test_a_radius_that_is_asked_for_is_kept_and_the_import_says_which_one_would_
     imported = import_scenario(FOLDER / "parking.yaml", ImportOptions(radius=2.5))
     assert {v.radius for v in imported.scenario.vehicles} == {2.5}
     assert imported.warnings[1] == (
-        "between start and goal of 'agent1' a hull of 2.5 m finds no way with room for noise, "
-        "of 2 m it might"
+        "between start and goal of 'agent1' a hull of 2.5 m finds no path with clearance "
+        "for noise, of 2 m it might"
     )
 
 

@@ -111,6 +111,9 @@ def test_the_risk_of_the_active_face_is_the_least_of_all_faces():
     assert risk == pytest.approx(norm.sf(3.0))  # (1.8 − 1.5)/0.1 beats (2 − 1.5)/0.2
     assert face_risk(faces, 0.5, [(np.array([2.0, 0.0]), np.zeros((2, 2)))]) == 0.0
     assert face_risk(faces, 0.5, [(np.zeros(2), np.zeros((2, 2)))]) == 1.0
+    # Programs and referee let it touch by rounding.
+    touching = np.array([1.5 - 1e-12, 0.0])
+    assert face_risk(faces, 0.5, [(touching, np.zeros((2, 2)))]) == 0.0
 
 
 def test_along_an_interval_one_face_is_held_from_end_to_end():

@@ -155,7 +155,7 @@ def test_a_narrow_gap_is_named_with_its_place_and_what_it_costs() -> None:
     assert "0.2 m to spare, 2 standard deviations, a risk of about 0.02" in concern.text
     assert warned(gate(2.0), "narrow") == []
     (closed,) = warned(gate(0.6), "narrow")
-    assert "no way to the goal in time is wide enough: the roomiest lacks 0.2 m" in closed.text
+    assert "no path to the goal in time is wide enough: the widest lacks 0.2 m" in closed.text
 
 
 def test_vehicles_that_share_a_concern_share_a_line() -> None:

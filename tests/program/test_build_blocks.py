@@ -47,8 +47,8 @@ def test_the_workspace_is_one_avoidance_per_face_with_a_single_alternative():
 def test_two_goals_on_one_point_leave_an_avoidance_without_alternatives():
     scenario = scene_of(mover("a"), mover("b", (16.0, 0.0), (8.0, 0.0)), avoidance="steps")
     program = built(scenario)
-    hopeless = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
-    assert [program.avoidances[int(i)].step for i in hopeless][-1] == 8
+    infeasible = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
+    assert [program.avoidances[int(i)].step for i in infeasible][-1] == 8
 
 
 def test_a_moving_obstacle_has_the_faces_of_both_ends_of_an_interval():

@@ -12,6 +12,7 @@ from radmpc.data import TEMPLATES
 __all__ = [
     "BACKENDS",
     "FORMATS",
+    "LOGS",
     "PLANNERS",
     "VIEWS",
     "complete_backend",
@@ -48,6 +49,9 @@ FORMATS = ("qgc", "waypoints", "geojson", "kml", "mcap", "csv")
 
 BACKENDS = ("model", "rotorpy", "irsim", "boat", "mavlink")
 """Names of what plans can be flown with."""
+
+LOGS = (".csv", ".tsv", ".txt", ".mcap", ".ulg", ".db3")
+"""Endings of logs."""
 
 VIEWS = ("plan", "ledger", "couplings", "distances", "risk")
 """What there is to see of a plan, beside films."""
@@ -103,7 +107,7 @@ def complete_scenario(incomplete: str) -> list[str]:
 
 def complete_log(incomplete: str) -> list[str]:
     """Return the files that may be logs; bags are folders."""
-    return _files(incomplete, (".csv", ".tsv", ".txt", ".mcap", ".ulg", ".db3"))
+    return _files(incomplete, LOGS)
 
 
 def complete_plan(incomplete: str) -> list[str]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from radmpc.model.scenario import Scenario
+from radmpc.wording import count_text
 
-__all__ = ["count_text", "scenario_line"]
+__all__ = ["scenario_line"]
 
 
 def scenario_line(scenario: Scenario) -> str:
@@ -17,16 +18,3 @@ def scenario_line(scenario: Scenario) -> str:
         "avoidance " + ("at steps" if scenario.avoidance == "steps" else "along intervals"),
     ]
     return f"{scenario.name}: {', '.join(parts)}"
-
-
-def count_text(number: int, noun: str) -> str:
-    """Return a number and its noun, which ends in s unless there is one.
-
-    Parameters
-    ----------
-    number : int
-        How many.
-    noun : str
-        Of what; its plural must end in s.
-    """
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -48,7 +48,7 @@ class Account:
     bank: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no probability or no sum of some."""
+        """Refuse numbers that are neither probabilities nor sums of probabilities."""
         for field in fields(self):
             _check_risk(getattr(self, field.name), field.name)
         if not 0.0 < self.risk_bound < 0.5:
@@ -99,7 +99,7 @@ class Account:
         return price * (1.0 + TOLERANCE) <= self.wealth
 
     def kept(self, tail: float) -> Account:
-        """Return the account of who keeps the leg in the air, valued by what is measured now.
+        """Return the account after keeping the leg in the air, valued by what is measured now.
 
         Parameters
         ----------
@@ -114,7 +114,7 @@ class Account:
         return replace(self, tail=tail)
 
     def adopted(self, price: float) -> Account:
-        """Return the account of who flies another leg from now on.
+        """Return the account after adopting another leg from now on.
 
         Parameters
         ----------
@@ -207,7 +207,7 @@ class Account:
 
 
 def _check_risk(value: object, name: str) -> None:
-    """Refuse what is neither a probability nor a sum of some."""
+    """Refuse numbers that are neither probabilities nor sums of probabilities."""
     if not is_number(value):
         raise ArgumentTypeError(f"{name} must be a number, got {told(value)}")
     if not (math.isfinite(value) and value >= 0.0):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from inspect import Parameter, signature
 from types import MappingProxyType
 
 import numpy as np
@@ -78,18 +79,24 @@ class BackendKind:
         if self.is_exact:
             self._check_exact(scenario)
         try:
-            made = self._loaded()(scenario, rng=rng, **options)
+            factory = self._loaded()
+            self._check_options(factory, options)
+            return factory(scenario, rng=rng, **options)
         except ImportError as error:
             raise ArgumentError(self._lack(error)) from error
-        except TypeError as error:
-            # Python's word for an argument that a function does not take has no class of its own.
-            wrong = [name for name in options if f"argument '{name}'" in str(error)]
-            if not wrong:
-                raise
-            raise ArgumentTypeError(
-                f"backend {self.name!r} takes no option {wrong[0]!r}, got {told(options[wrong[0]])}"
-            ) from error
-        return made
+
+    def _check_options(
+        self, factory: Callable[..., Backend], options: Mapping[str, object]
+    ) -> None:
+        """Refuse options that the factory does not take."""
+        taken = signature(factory).parameters
+        if any(parameter.kind is Parameter.VAR_KEYWORD for parameter in taken.values()):
+            return
+        for name, value in options.items():
+            if name not in taken:
+                raise ArgumentTypeError(
+                    f"backend {self.name!r} takes no option {name!r}, got {told(value)}"
+                )
 
     def _check_exact(self, scenario: Scenario) -> None:
         """Refuse what is charged for not being known exactly, where it would be."""

@@ -38,7 +38,7 @@ Planning = Callable[[Scenario, "float | None"], "Result | Plan | None"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
-    """What became of the search for another leg.
+    """The outcome of the search for another leg.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Order:
-    """What is asked of a planner.
+    """What a planner is asked to do.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ def planning_with(planner: str | Planning | None, seed: int) -> Planning | None:
 
 
 def _without_bound(planner: Planner) -> Planner:
-    """Return a planner that proves no bound on any certified plan: under way nobody reads it."""
+    """Return a planner that proves no bound on any certified plan: it is not used under way."""
     if str(planner.decomposition) != "certified":
         return planner
     return replace(planner, decomposition=planners.Certified(0.0))
@@ -128,7 +128,7 @@ def answered(
     seconds: float | None,
     states: Sequence[Vector],
 ) -> Candidate:
-    """Return what a planner makes of an order; never raises for a planner.
+    """Return a planner's answer to an order; errors of the planner are part of it.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def failed(error: BaseException) -> Candidate:
 def judged(
     answer: object, order: Order, step: int, states: Sequence[Vector], scale: Scale | None = None
 ) -> Candidate:
-    """Return the leg of a planner's answer, everything but its controls told anew.
+    """Return the leg of a planner's answer, with everything but its controls recomputed.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What vehicles are told to do until the next step, and where that is expected to lead."""
+"""The controls of vehicles until the next step, and where they are expected to lead."""
 
 from __future__ import annotations
 

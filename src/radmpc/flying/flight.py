@@ -8,21 +8,25 @@ from typing import Protocol
 import numpy as np
 
 from radmpc.arrays import Vector
+from radmpc.errors import ArgumentTypeError
 from radmpc.flying.measuring import check_number
 from radmpc.flying.model import Backend
 from radmpc.flying.tick import Contact, Entry, Tick
+from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
+from radmpc.result import Result
+from radmpc.wording import count_text, told
 
 __all__ = ["PATIENCE", "Flight", "Flyable", "fly"]
 
 PATIENCE = 600.0
-"""How long a worker is waited for at most where nobody says how long [s]."""
+"""Longest wait for a worker where no other is given [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flight:
-    """What became of a mission.
+    """A mission as it was flown.
 
     Attributes
     ----------
@@ -50,11 +54,12 @@ class Flight:
         return bool(self.contacts)
 
     def __repr__(self) -> str:
-        """Return what became of it in one line."""
+        """Return it in one line."""
         adopted = sum(entry.what == "adopted" for entry in self.account)
-        hit = f"{len(self.contacts)} contacts" if self.contacts else "no collision"
-        steps = len(self.states) - 1
-        return f"Flight({steps} steps; {adopted} replans adopted; {hit}; effort {self.effort:.6g})"
+        hit = count_text(len(self.contacts), "contact") if self.contacts else "no collision"
+        steps = count_text(len(self.states) - 1, "step")
+        replans = count_text(adopted, "replan")
+        return f"Flight({steps}; {replans} adopted; {hit}; effort {self.effort:.6g})"
 
 
 class Flyable(Protocol):
@@ -135,9 +140,12 @@ def fly(
 
     Raises
     ------
+    ArgumentTypeError
+        If there is no mission, or no backend.
     ArgumentError
         If patience is below 0.
     """
+    _check_flyable(mission, backend)
     check_number(patience, "patience")
     vehicles = mission.scenario.vehicles
     states, contacts = backend.reset()
@@ -154,3 +162,17 @@ def fly(
         states, contacts = backend.advance(tick.segments)
         visited.append(tuple(states))
     return Flight(mission.ticks, mission.account, mission.contacts, tuple(visited), effort)
+
+
+def _check_flyable(mission: object, backend: object) -> None:
+    """Refuse objects without the methods of a mission, or of a backend."""
+    if not (hasattr(mission, "step") and hasattr(mission, "wait")):
+        is_planned = isinstance(mission, Plan | Result)
+        hint = ": radmpc.Mission makes one" if is_planned else ""
+        raise ArgumentTypeError(
+            f"mission must be a Mission or a LongMission, got {told(mission)}{hint}"
+        )
+    if not (hasattr(backend, "reset") and hasattr(backend, "advance")):
+        raise ArgumentTypeError(
+            f"backend must have reset and advance, as radmpc.Model has, got {told(backend)}"
+        )

@@ -60,7 +60,7 @@ def remembers(vehicle: Vehicle) -> bool:
 
 
 def estimates_together(vehicle: Vehicle) -> bool:
-    """Whether what others measure tells of the error of a vehicle's own estimate.
+    """Whether the others' measurements are informative about the error of a vehicle's own estimate.
 
     Parameters
     ----------

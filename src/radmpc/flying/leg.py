@@ -32,7 +32,7 @@ __all__ = ["Leg", "Outlook", "leg_of", "miss_of"]
 
 @dataclass(frozen=True, slots=True)
 class Outlook:
-    """What the mean of a leg still comes to.
+    """Effort and miss of what remains of a leg, by its mean.
 
     Attributes
     ----------
@@ -173,7 +173,7 @@ class Leg:
         return Outlook(effort, miss)
 
     def _nominal(self, number: int) -> Matrix:
-        """Return what is known of a vehicle that flies as planned, (T+1, n) or (T+1, 2 n + s)."""
+        """Return the known state of a vehicle that flies as planned, (T+1, n) or (T+1, 2 n + s)."""
         motion, vehicle = self.witnesses.motion, self.plan.scenario.vehicles[number]
         path, lasting = motion.states[number], motion.lasting[number]
         size, copies = expected_start(vehicle).size, 3 if estimates_together(vehicle) else 1

@@ -236,7 +236,7 @@ class Mission:
         self._enter("bound", None)
 
     def start_again(self, result: Result | Plan) -> None:
-        """Open the account anew, for what the start had no law for: an obstacle that appeared.
+        """Open the account anew after an event that the plan did not model, such as a new obstacle.
 
         What is promised then is promised from here on: the log says "new grant".
 

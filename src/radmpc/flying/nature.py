@@ -93,7 +93,7 @@ class Estimator:
 
 
 class Nature:
-    """Draws what a scenario has of disturbances that last or are shared, of tracks and of sensors.
+    """Draws lasting and shared disturbances, tracks of obstacles and errors of sensors.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ class Nature:
     def told(
         self, states: Sequence[Vector], controls: Sequence[Vector] | None
     ) -> tuple[Vector, ...]:
-        """Return states as they are known: of who measures the estimates.
+        """Return states as they are known: for vehicles with a measurement, the estimates.
 
         Parameters
         ----------

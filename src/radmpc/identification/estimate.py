@@ -10,7 +10,7 @@ from scipy.special import chdtrc
 from radmpc.arrays import Matrix, Vector
 from radmpc.identification.intervals import Interval, covariance_interval, normal_interval
 from radmpc.identification.measurement import by_another_sensor, by_spectrum
-from radmpc.identification.model import Model
+from radmpc.identification.model import StepModel
 from radmpc.identification.regression import Fit, fit
 from radmpc.identification.segments import Evidence, Segment, Transitions, stacked
 from radmpc.identification.tails import Tails, tails
@@ -85,7 +85,7 @@ class Estimate:
 
 
 def estimate(
-    group: Sequence[Transitions], model: Model, evidence: Evidence, *, share: float = 0.0
+    group: Sequence[Transitions], model: StepModel, evidence: Evidence, *, share: float = 0.0
 ) -> Estimate:
     """Return what a group of vehicles has in common.
 
@@ -93,7 +93,7 @@ def estimate(
     ----------
     group : sequence of Transitions
         Of vehicles with the same noise and feedback.
-    model : Model
+    model : StepModel
         Their dynamics.
     evidence : {'commands', 'references', 'states'}
         What explains their transitions.
@@ -161,7 +161,9 @@ def _widened(found: Fit, by_mean: float, by_product: float) -> Fit:
     )
 
 
-def _spread(found: Fit, kind: Tails | None, model: Model, alike: float) -> tuple[Interval, float]:
+def _spread(
+    found: Fit, kind: Tails | None, model: StepModel, alike: float
+) -> tuple[Interval, float]:
     """Return W with its interval, and how many independent steps it is worth."""
     steps, color = len(found.noise), found.color
     spent = (1.0 + color) / (1.0 - color) + found.gain.size / model.num_states
@@ -181,7 +183,7 @@ def _worth(covariance: Interval) -> float:
     return max(float(np.median(2.0 * (variances / deviations) ** 2)), 1.0)
 
 
-def _drift(found: Fit, y: Matrix, model: Model, evidence: Evidence) -> tuple[Interval, bool]:
+def _drift(found: Fit, y: Matrix, model: StepModel, evidence: Evidence) -> tuple[Interval, bool]:
     """Return what every step adds, and whether that is beyond chance."""
     if evidence != "states":
         drift = normal_interval(found.drift, found.drift_deviation)
@@ -252,7 +254,7 @@ def _time_constant(found: Fit, dt: float) -> Interval | None:
 
 
 def _measured(
-    found: Fit, all_segments: Sequence[Segment], model: Model, first: Autocorrelation
+    found: Fit, all_segments: Sequence[Segment], model: StepModel, first: Autocorrelation
 ) -> tuple[Interval, Interval] | None:
     """Return disturbance and measurement noise where there is a sign of the latter."""
     pieces = _pieces(found.noise, all_segments)
@@ -262,7 +264,7 @@ def _measured(
     return by_spectrum(pieces, model.A) if first.first_score < -SURE else None
 
 
-def _by_two(found: Fit, offsets: Matrix, model: Model) -> tuple[Interval, Interval] | None:
+def _by_two(found: Fit, offsets: Matrix, model: StepModel) -> tuple[Interval, Interval] | None:
     """Return the same where a second sensor was logged."""
     d, n = model.dimension, model.num_states
     seen = by_another_sensor(found.noise[:, :d], offsets)

@@ -11,11 +11,11 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.identification.cleaning import clean
 from radmpc.identification.commands import command_warning
 from radmpc.identification.estimate import Estimate, estimate
-from radmpc.identification.model import Model
+from radmpc.identification.model import StepModel
 from radmpc.identification.sampling import Samples, native_period, sample
 from radmpc.identification.segments import Evidence, Transitions, segments, without_jumps
 from radmpc.identification.sharing import Shared, shared_part
-from radmpc.identification.track import Track
+from radmpc.identification.track import Track, check_tracks
 from radmpc.identification.unknown import unknowns
 from radmpc.records import dataclass
 
@@ -39,7 +39,7 @@ class Identification:
 
     Attributes
     ----------
-    model : Model
+    model : StepModel
         Step and dynamics that everything refers to.
     evidence : {'commands', 'references', 'states'}
         What was known beside the states.
@@ -61,7 +61,7 @@ class Identification:
         Flaws of the logs, and what was done about them.
     """
 
-    model: Model
+    model: StepModel
     evidence: Evidence
     sources: tuple[str, ...]
     start: float | None
@@ -105,6 +105,8 @@ def identify(
 
     Raises
     ------
+    ArgumentTypeError
+        If the first is no sequence of tracks.
     FileFormatError
         If a log contradicts itself, or there is too little of it.
     ScenarioError
@@ -112,15 +114,14 @@ def identify(
     """
     if dt is not None and not (np.isfinite(dt) and dt > 0.0):
         raise ScenarioError(f"must be > 0 s, got {dt:g}", ("dt",))
-    if not tracks:
-        raise FileFormatError("the logs hold no vehicle")
+    check_tracks(tracks)
     told = list(warnings)
     cleaned = _cleaned(tracks, dimension, told)
     step = _step(cleaned) if dt is None else dt
     at_steps = _sampled(cleaned, step, told)
     evidence = _evidence(cleaned, told)
     told += [line for one in at_steps for line in command_warning(one, evidence)]
-    model = Model(step, cleaned[0].dimension, all(t.velocities is not None for t in cleaned))
+    model = StepModel(step, cleaned[0].dimension, all(t.velocities is not None for t in cleaned))
     vehicles = _vehicles(at_steps, evidence, model, told)
     pooled = estimate(vehicles, model, evidence)
     own = [one for one in vehicles if one.num_steps >= _least(model, evidence)]
@@ -208,7 +209,7 @@ def _evidence(tracks: Sequence[Track], warnings: list[str]) -> Evidence:
 
 
 def _vehicles(
-    at_steps: Sequence[Samples], evidence: Evidence, model: Model, warnings: list[str]
+    at_steps: Sequence[Samples], evidence: Evidence, model: StepModel, warnings: list[str]
 ) -> list[Transitions]:
     """Return the transitions of every vehicle, those of several logs together."""
     found: dict[str, Transitions] = {}
@@ -233,7 +234,7 @@ def _vehicles(
     return [one for one in found.values() if one.num_steps]
 
 
-def _least(model: Model, evidence: Evidence) -> int:
+def _least(model: StepModel, evidence: Evidence) -> int:
     """Return how many steps estimates need."""
     return _LEAST_STEPS + model.num_states * (2 if evidence == "references" else 1)
 

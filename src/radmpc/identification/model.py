@@ -7,11 +7,11 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.records import dataclass
 
-__all__ = ["Model"]
+__all__ = ["StepModel"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Model:
+class StepModel:
     """Dynamics without feedback: a double integrator, without velocities a single one.
 
     Attributes

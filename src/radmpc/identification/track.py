@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from os import PathLike
 
 import numpy as np
 
 from radmpc.arrays import Frozen, Matrix, Vector, frozen
+from radmpc.errors import ArgumentTypeError, FileFormatError
 from radmpc.records import dataclass
+from radmpc.wording import one, told
 
-__all__ = ["Track"]
+__all__ = ["Track", "check_tracks"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,3 +106,32 @@ class Track(Frozen):
     def where(self) -> str:
         """The file and the vehicle, for messages."""
         return f"{self.source}: vehicle {self.name!r}"
+
+
+def check_tracks(tracks: object) -> None:
+    """Refuse what is no sequence of tracks.
+
+    Parameters
+    ----------
+    tracks : object
+        The argument.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is something else; it says what to do instead.
+    FileFormatError
+        If there is none in it.
+    """
+    wanted = "tracks must be a sequence of Track"
+    if isinstance(tracks, str | PathLike):
+        raise ArgumentTypeError(
+            f"{wanted}, got {told(tracks)}: read_logs of radmpc.importing.logs.reading reads files"
+        )
+    if not isinstance(tracks, Sequence):
+        raise ArgumentTypeError(f"{wanted}, got {told(tracks)}")
+    other = next((track for track in tracks if not isinstance(track, Track)), None)
+    if other is not None:
+        raise ArgumentTypeError(f"{wanted}, got {one(type(other))} in it")
+    if not tracks:
+        raise FileFormatError("the logs hold no vehicle")

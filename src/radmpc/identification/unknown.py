@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.identification.estimate import Estimate
-from radmpc.identification.model import Model
+from radmpc.identification.model import StepModel
 from radmpc.identification.segments import Evidence
 from radmpc.identification.sharing import Shared
 
@@ -18,7 +18,7 @@ _DOUBT = 0.01
 def unknowns(
     found: Estimate,
     shared: Shared | None,
-    model: Model,
+    model: StepModel,
     evidence: Evidence,
     num_vehicles: int,
 ) -> tuple[str, ...]:
@@ -30,7 +30,7 @@ def unknowns(
         What can.
     shared : Shared or None
         The part that vehicles have in common, if it could be looked for.
-    model : Model
+    model : StepModel
         Dynamics without feedback.
     evidence : {'commands', 'references', 'states'}
         What the logs hold beside states.
@@ -46,7 +46,7 @@ def unknowns(
     return tuple(sentences)
 
 
-def _of_states(found: Estimate, model: Model) -> list[str]:
+def _of_states(found: Estimate, model: StepModel) -> list[str]:
     """Return what states alone do not tell."""
     del found
     moved = "controls" if model.has_velocity else "motion"
@@ -63,7 +63,7 @@ def _of_states(found: Estimate, model: Model) -> list[str]:
     return sentences
 
 
-def _of_references(found: Estimate, model: Model) -> list[str]:
+def _of_references(found: Estimate, model: StepModel) -> list[str]:
     """Return what states with references do not tell."""
     sentences = []
     if found.gain is not None and not found.gain.excludes_zero:
@@ -87,7 +87,7 @@ def _of_references(found: Estimate, model: Model) -> list[str]:
     return sentences
 
 
-def _of_commands(found: Estimate, model: Model) -> list[str]:
+def _of_commands(found: Estimate, model: StepModel) -> list[str]:
     """Return what states with commands do not tell."""
     del model
     sentences = []

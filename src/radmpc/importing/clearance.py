@@ -27,7 +27,7 @@ def fit_hulls(
     choices: dict[str, str],
     warnings: list[str],
 ) -> ForeignProblem:
-    """Return the problem with hulls that leave room for noise where the published ones do not.
+    """Return the problem with hulls that leave clearance for noise where the published ones do not.
 
     Parameters
     ----------
@@ -55,10 +55,12 @@ def fit_hulls(
     radii = {v.radius: float(f"{share * v.radius:.2g}") for v in problem.vehicles}
     told = ", ".join(f"{old:g} m to {new:g} m" for old, new in radii.items())
     warnings.append(
-        f"hulls were reduced from {told}: some way is so narrow that the published ones leave no "
-        "room for noise (a radius that is asked for is kept)"
+        f"hulls were reduced from {told}: some passage is so narrow that the published ones leave "
+        "no clearance for noise (a radius that is asked for is kept)"
     )
-    choices["radius"] = f"reduced from {told}, so that noise has room beside the narrowest way"
+    choices["radius"] = (
+        f"reduced from {told}, so that the narrowest passage has clearance for noise"
+    )
     vehicles = tuple(replace(v, radius=radii[v.radius]) for v in problem.vehicles)
     return replace(problem, vehicles=vehicles)
 
@@ -98,7 +100,7 @@ def _path(vehicle: ForeignVehicle, space: FreeSpace, warnings: list[str]) -> Fre
         hint = f", of {_HULL_SHARE * widest:.2g} m it might" if widest > 0.0 else ""
         warnings.append(
             f"between start and goal of {vehicle.name!r} a hull of {vehicle.radius:g} m finds no "
-            f"way with room for noise{hint}"
+            f"path with clearance for noise{hint}"
         )
         return FreePath(0.0 if path is None else path.detour, target)
     return path

@@ -1,4 +1,4 @@
-"""Noise that starts and goals next to each other leave room for."""
+"""Noise that starts and goals next to each other leave clearance for."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ __all__ = [
     "check_scenario_numbers",
     "check_speedless",
     "check_vehicle_numbers",
-    "settled_limits",
+    "consistent_limits",
     "step_window",
 ]
 
@@ -206,7 +206,7 @@ def axes_under(norm: object, axes: Vector, name: str) -> tuple[float, Vector]:
     return number, least
 
 
-def settled_limits(
+def consistent_limits(
     norm: object, axes: npt.ArrayLike | None, size: int, name: str
 ) -> tuple[float | None, Vector | None]:
     """Return a limit's norm and its values per axis, none of these larger than the norm.

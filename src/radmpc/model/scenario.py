@@ -23,6 +23,7 @@ from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.model.workspace import Workspace
 from radmpc.notebook import html_table, listed
 from radmpc.records import dataclass, replace
+from radmpc.wording import count_text
 
 if TYPE_CHECKING:
     from radmpc.model.relations.keep import Keep
@@ -141,8 +142,9 @@ class Scenario:
     def __repr__(self) -> str:
         """Return the scenario in one line."""
         return (
-            f"Scenario({self.name!r}, {len(self.vehicles)} vehicles, {len(self.obstacles)} "
-            f"obstacles, {self.horizon} steps of {self.dt:g} s, risk bound {self.risk_bound:g})"
+            f"Scenario({self.name!r}, {count_text(len(self.vehicles), 'vehicle')}, "
+            f"{count_text(len(self.obstacles), 'obstacle')}, {count_text(self.horizon, 'step')} "
+            f"of {self.dt:g} s, risk bound {self.risk_bound:g})"
         )
 
     def _repr_html_(self) -> str:

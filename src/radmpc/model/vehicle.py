@@ -26,7 +26,7 @@ from radmpc.model.numbers import (
     check_positive,
     check_speedless,
     check_vehicle_numbers,
-    settled_limits,
+    consistent_limits,
 )
 from radmpc.model.states import as_state
 from radmpc.records import dataclass
@@ -155,7 +155,7 @@ class Vehicle(Frozen):
             put(self, "drift", as_vector(self.drift, n, ("drift", "state")))
         for name, size in (("control", m), ("speed", d)):
             norm, axes = getattr(self, f"{name}_norm"), getattr(self, f"{name}_limit")
-            norm, axes = settled_limits(norm, axes, size, f"{name}_limit")
+            norm, axes = consistent_limits(norm, axes, size, f"{name}_limit")
             put(self, f"{name}_norm", norm)
             put(self, f"{name}_limit", axes)
         limit = self.speed_limit

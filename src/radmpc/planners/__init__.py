@@ -13,7 +13,7 @@ from radmpc.front import late_names
 
 if TYPE_CHECKING:
     from radmpc.planners.centralized import Centralized
-    from radmpc.planners.certified.planning import Certified
+    from radmpc.planners.certified.certified import Certified
     from radmpc.planners.distance import Distance
     from radmpc.planners.paper.algorithm_1_multi_vehicle import Couplings
     from radmpc.planners.paper.algorithm_2_radmpc import Receding
@@ -52,7 +52,7 @@ __all__ = [
 
 _HOMES = {
     "planners.centralized": ("Centralized",),
-    "planners.certified.planning": ("Certified",),
+    "planners.certified.certified": ("Certified",),
     "planners.distance": ("Distance",),
     "planners.paper.algorithm_1_multi_vehicle": ("Couplings",),
     "planners.paper.algorithm_2_radmpc": ("Receding",),

@@ -26,6 +26,7 @@ from radmpc.program.hard import hard_rows
 from radmpc.records import dataclass, replace
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 from radmpc.solvers.solution import relative_gap
+from radmpc.wording import count_text
 
 __all__ = ["assigned", "least_costs"]
 
@@ -213,7 +214,7 @@ def _told(
 def _text(scenario: Scenario, best: _Found, count: int, costs: Matrix) -> str:
     """Return who goes where, and what that is worth, in a sentence."""
     given = places_of(scenario.goals, [vehicle.goal for vehicle in scenario.vehicles])
-    planned = "1 assignment" if count == 1 else f"{count} assignments"
+    planned = count_text(count, "assignment")
     if best.places == given:
         return f"Goals stay as given, the best of {planned} planned."
     names = [vehicle.name for vehicle in scenario.vehicles]

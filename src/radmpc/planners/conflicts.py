@@ -70,7 +70,7 @@ def cannot_avoid(scenario: Scenario, risk_item: RiskItem) -> str:
         )
     return (
         f"{_capitalized(hazard_name(risk_item))} cannot be kept apart {when}: none of the faces "
-        "between them leaves room for any motion that limits and goals allow."
+        "between them leaves space for any motion that limits and goals allow."
     )
 
 

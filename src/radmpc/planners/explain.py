@@ -245,7 +245,7 @@ def _no_way_together(scenario: Scenario, members: tuple[int, ...]) -> str:
     """Name two vehicles for which no plan was found even with the whole Δ to themselves."""
     first, second = (repr(scenario.vehicles[i].name) for i in members)
     return (
-        f"Vehicles {first} and {second} alone find no way past each other within the risk bound "
+        f"Vehicles {first} and {second} alone find no path past each other within the risk bound "
         f"{scenario.risk_bound:g} that this planner sees."
     )
 
@@ -258,7 +258,7 @@ def _no_way_alone(scenario: Scenario, i: int) -> Reason:
         repr(e.other) if e.other else "the workspace border" for e in program.risk_items
     )
     text = (
-        f"finds no way within the risk bound {scenario.risk_bound:g} that this planner sees; near "
+        f"finds no path within the risk bound {scenario.risk_bound:g} that this planner sees; near "
         f"are {', '.join(hazards)}."
     )
     return Reason((i,), f"alone {text}", f"each {text.replace('finds', 'find', 1)}")

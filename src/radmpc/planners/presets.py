@@ -92,7 +92,7 @@ _ALL = (
     ),
     Preset(
         "distance",
-        "Vehicles whose ways alone come within 5 m are planned together by IRA (Keviczky).",
+        "Vehicles whose paths alone come within 5 m are planned together by IRA (Keviczky).",
         lambda: Planner(planners.Ira(), planners.Branch(), planners.Distance()),
         lambda meters: Planner(planners.Ira(), planners.Branch(), planners.Distance(meters)),
     ),

@@ -9,7 +9,7 @@ from radmpc.plotting.flight.film import save_flight_film
 from radmpc.plotting.flight.picture import plot_flight, save_flight
 from radmpc.plotting.panels import Panel, plot_panels
 from radmpc.plotting.plan import plot_plan, plot_views
-from radmpc.plotting.risk.ledger import plot_ledger, plot_risk_map
+from radmpc.plotting.risk.ledger_picture import plot_ledger, plot_risk_map
 from radmpc.plotting.risk.ledger_shares import plot_risk_shares
 from radmpc.plotting.risk.risk_steps import plot_risk
 from radmpc.plotting.save import (

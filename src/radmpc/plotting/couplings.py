@@ -21,6 +21,7 @@ from radmpc.plotting.canvas.style import (
     vehicle_colors,
 )
 from radmpc.plotting.risk.ledger_looks import new_column
+from radmpc.wording import count_text
 
 __all__ = ["plot_couplings"]
 
@@ -72,7 +73,7 @@ def plot_couplings(plan: Plan, ax: Axes | None = None) -> Axes:
     axes.set_xlim(0.0, size[0])
     axes.set_ylim(-size[1], 0.0)
     axes.set_title(
-        f"{plan.scenario.name}: {_count(len(groups), 'set')}",
+        f"{plan.scenario.name}: {count_text(len(groups), 'set')}",
         loc="left",
         fontsize=TITLE_SIZE,
         fontweight="bold",
@@ -196,8 +197,3 @@ def _legend(plan: Plan) -> str:
     if told:
         return "\n".join(told)
     return "all together" if len(plan.sets) == 1 else "no couplings: everyone planned alone"
-
-
-def _count(number: int, noun: str) -> str:
-    """Return a number and its noun."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

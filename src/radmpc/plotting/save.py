@@ -20,7 +20,7 @@ from radmpc.plotting.canvas.figure import DPI
 from radmpc.plotting.chart import Chart, plot_chart
 from radmpc.plotting.panels import Panel, plot_panels
 from radmpc.plotting.plan import plot_plan
-from radmpc.plotting.risk.ledger import plot_ledger
+from radmpc.plotting.risk.ledger_picture import plot_ledger
 
 __all__ = [
     "FIGURE_SUFFIXES",

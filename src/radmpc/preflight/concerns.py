@@ -219,7 +219,7 @@ def _time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterato
         left = horizon - least
         text = (
             f"{head}: {'none is' if left == 0 else f'only {left} are' if left > 1 else 'only 1 is'}"
-            f" left for ways around obstacles and others; lengthen it to about {more}"
+            f" left for paths around obstacles and others; lengthen it to about {more}"
         )
     yield _Found("time", seen.name, text, least / horizon, least > horizon, more)
 

@@ -99,7 +99,7 @@ def visit_cures(scenario: Scenario, vehicle: Vehicle) -> str:
     Parameters
     ----------
     scenario, vehicle
-        As of `time_cures`.
+        As in `time_cures`.
 
     Returns
     -------
@@ -129,7 +129,7 @@ def saturation_cures(scenario: Scenario, vehicle: Vehicle, most: float) -> str:
     Returns
     -------
     str
-        As of `control_cures`.
+        As in `control_cures`.
     """
 
     def does(candidate: Vehicle) -> bool:

@@ -63,7 +63,7 @@ def told_of_narrow(scenario: Scenario, seen: VehicleOutlook) -> Iterator[tuple[s
     where = f"{_between(place)} near ({', '.join(f'{x:.4g}' for x in place.position)})"
     if place.clearance < 0.0:
         text = (
-            f"no way to the goal in time is wide enough: the roomiest lacks {-place.clearance:.2g} "
+            f"no path to the goal in time is wide enough: the widest lacks {-place.clearance:.2g} "
             f"m {where}"
         )
         yield text, np.inf

@@ -128,7 +128,7 @@ def told_of_visits(
         if arrival > _TIGHT * due:
             text = (
                 f"goal {arrival} steps away at least by way of its visits, due at step {due}: "
-                "little is left for ways around obstacles and others"
+                "little is left for paths around obstacles and others"
             )
             yield text, arrival / due
         return

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from radmpc.console.output import show
 from radmpc.console.reports.report import plan_report
 from radmpc.experiments.families import circle
-from radmpc.model.plan import Coupling, Risk, Status
+from radmpc.model.plan import Coupling, Risk, Status, Trajectory
 
 from .reported import make_plan, shown, standing
 
@@ -106,17 +105,33 @@ def test_the_report_says_which_limits_are_used_up(capsys: pytest.CaptureFixture[
     assert "limited by" not in shown(capsys, make_plan())
 
 
+def limits_told(capsys: pytest.CaptureFixture[str], *steps: int) -> str:
+    """Return the report on vehicles of which each is at its limit for so many steps."""
+    scene = circle(6)
+
+    def pushed(trajectory: Trajectory, number: int) -> Trajectory:
+        controls = trajectory.controls.copy()
+        controls[:number] = scene.vehicles[0].control_limit
+        return replace(trajectory, controls=controls)
+
+    padded = (*steps, *[0] * (6 - len(steps)))
+    moved = tuple(pushed(t, n) for t, n in zip(standing(scene), padded, strict=True))
+    return " ".join(shown(capsys, make_plan(scenario=scene, trajectories=moved)).split())
+
+
+def test_vehicles_at_one_limit_for_as_long_share_a_place(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    told = limits_told(capsys, 2, 1, 2)
+    assert "limited by control limits of v1, v3 (2 steps each), control limit of v2" in told
+    told = limits_told(capsys, 2, 2, 2, 2, 2)
+    assert "control limits of v1, v2, v3, v4 and 1 more (2 steps each) " in told
+
+
 def test_one_thing_more_is_no_several(capsys: pytest.CaptureFixture[str]) -> None:
-    still = standing(circle(5))
-    pushed = tuple(
-        replace(t, controls=np.tile(v.control_limit, (len(t.controls), 1)))
-        for t, v in zip(still, circle(5).vehicles, strict=True)
-    )
+    assert ", 1 more limit " in limits_told(capsys, 5, 4, 3, 2, 1)
     couplings = tuple(Coupling("v1", f"v{i}", "distance", 1.0) for i in range(2, 7))
-    plan = make_plan(scenario=circle(5), trajectories=pushed, couplings=couplings)
-    text = shown(capsys, plan)
-    assert ", 1 more limit\n" in text
-    assert "; and 1 more coupling\n" in text
+    assert "; and 1 more coupling\n" in shown(capsys, make_plan(couplings=couplings))
 
 
 def test_a_cost_below_its_lower_bound_comes_with_the_reason(

@@ -109,7 +109,7 @@ def _first_leg(rows: list[TickRow]) -> int:
          "a contact that is stated, and not hit"),
     ],
 )  # fmt: skip
-def test_a_file_that_was_signed_anew_is_found_out_by_booking_it_again(
+def test_a_file_that_was_signed_anew_is_found_out_by_recomputing_it(
     path: Path, rows: list[TickRow], key: str, value: object, words: str
 ) -> None:
     forged(path, _first_leg(rows), lambda row: row.update({key: value}))

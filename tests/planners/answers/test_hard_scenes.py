@@ -43,7 +43,7 @@ def answered(name, seconds):
 @pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize(
-    "name", ["starts-clash.yaml", "crash-sketch.json", "hopeless-considered.yaml"]
+    "name", ["starts-clash.yaml", "crash-sketch.json", "infeasible-considered.yaml"]
 )
 def test_vehicles_that_no_side_keeps_apart_get_an_answer(name):
     result = answered(name, 3.0)

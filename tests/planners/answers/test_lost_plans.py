@@ -14,7 +14,7 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.plan import LedgerRow, Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified import fallbacks, planning, programs
+from radmpc.planners.certified import certified, fallbacks, programs
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import inter_set_risks
 from radmpc.planners.certified.search import PriceSearch
@@ -46,7 +46,7 @@ def scene(name):
         ("bow-merge-limit-2", 11.1889),
         ("bow-merge-dear", 25.3239),
         ("contact-at-start", 4.4401),
-        ("hopeless-price", 2.92),
+        ("infeasible-price", 2.92),
         ("formation-of-three", 50.8136),
         ("formation-at-contact", 5.1941),
         ("start-of-little-room", 33.7111),
@@ -143,7 +143,7 @@ def test_only_rejected_plans_are_blamed_on_pairs_across_sets():
     apart = np.arange(3)
     assert verdict(0.04, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {}
     assert verdict(0.07, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {(0, 1): 0.03}
-    # Without the pair it would be as hopeless.
+    # Without the pair it would be just as infeasible.
     assert verdict(0.9, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {}
     # One set already.
     assert verdict(0.07, ab=0.03).to_blame(np.array([0, 0, 1]), NUMBERS, 0.05) == {}
@@ -175,7 +175,7 @@ def test_where_the_fleet_may_risk_less_than_one_half_so_may_each_row():
 
 def test_a_hard_budget_finds_what_no_price_leads_to():
     # Between two plans of other sides, which all prices choose, lies a third within the budget.
-    scenario = scene("hopeless-price")
+    scenario = scene("infeasible-price")
     made = Fleet.of(scenario, 1e-3, FOREVER)
     problem = made.programs.problem((0, 1))
     budget = 0.021
@@ -210,7 +210,7 @@ def test_the_budget_stays_positive_where_the_starts_alone_exceed_the_bound():
 
 @pytest.mark.slow
 def test_without_a_plan_half_spaces_are_turned_to_one_without_noise(monkeypatch):
-    monkeypatch.setattr(planning, "first_plan", lambda *_, **__: FleetIncumbent())
+    monkeypatch.setattr(certified, "first_plan", lambda *_, **__: FleetIncumbent())
     monkeypatch.setattr(PriceSearch, "run", lambda self, state: state)
     result = plan(paper(3, 2), "certified")
     assert result.is_certified
@@ -219,7 +219,7 @@ def test_without_a_plan_half_spaces_are_turned_to_one_without_noise(monkeypatch)
 
 @pytest.mark.slow
 def test_without_a_plan_the_search_goes_on_by_way_of_the_safest(monkeypatch):
-    monkeypatch.setattr(planning, "first_plan", lambda *_, **__: FleetIncumbent())
+    monkeypatch.setattr(certified, "first_plan", lambda *_, **__: FleetIncumbent())
     calls = []
     run = PriceSearch.run
 

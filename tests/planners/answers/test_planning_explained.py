@@ -121,7 +121,7 @@ def test_a_gap_too_narrow_for_the_noise_names_the_vehicle():
         risk_bound=1e-4,
         avoidance="intervals",
     )
-    assert "Vehicle 'a' alone finds no way" in _explained(scenario)
+    assert "Vehicle 'a' alone finds no path" in _explained(scenario)
 
 
 def test_a_limit_and_a_horizon_are_told_that_bring_a_goal_into_reach():

@@ -94,9 +94,9 @@ def test_goals_out_of_reach_are_left_to_others() -> None:
     third = Goal.at([6.0, 3.0], 0.5)
     planned = plan(replace(given, vehicles=fleet, goals=[far, near, third]), "dlp").require()
     assert not any(same_goal(v.goal, far) for v in planned.scenario.vehicles)
-    hopeless = plan(replace(given, vehicles=fleet, goals=[far, near]), "dlp")
-    assert hopeless.plan is None
-    assert hopeless.status is Status.INFEASIBLE
+    infeasible = plan(replace(given, vehicles=fleet, goals=[far, near]), "dlp")
+    assert infeasible.plan is None
+    assert infeasible.status is Status.INFEASIBLE
 
 
 def test_plans_say_who_got_which_goal_and_are_read_back() -> None:

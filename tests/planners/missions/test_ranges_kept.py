@@ -83,6 +83,16 @@ def test_a_range_is_lost_at_an_end_no_less_often_than_that_end_alone_says(within
     assert rate - 0.05 <= lost.risk <= rate + 0.005
 
 
+def test_a_range_without_noise_is_not_lost_by_rounding() -> None:
+    given = escorted(4.0 - 1e-12)
+    still = [replace(v, initial_covariance=0.0 * v.initial_covariance) for v in given.vehicles]
+    models = condensed_models(given.with_vehicles(still))
+    [lost] = lost_ranges(given, models, at_goal=False)
+    assert lost.risk == 0.0
+    [lost] = lost_ranges(escorted(4.0 - 1e-6), models, at_goal=False)
+    assert lost.risk == 1.0
+
+
 @pytest.mark.parametrize("name", sorted(REFUSING))
 def test_planners_of_single_vehicles_refuse_ranges_in_one_line(name: str) -> None:
     with pytest.raises(ScenarioError, match=r"^keep: is not for .*; take certified") as refused:

@@ -10,7 +10,7 @@ import pytest
 from radmpc.experiments.families import circle, paper
 from radmpc.model.plan import Status
 from radmpc.planners import Branch, Centralized, Certified, Ira, Optimal, Planner
-from radmpc.planners.certified import planning
+from radmpc.planners.certified import certified
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.phases import ahead, around
 from radmpc.planners.certified.proof.grouping import known_within, parts_of
@@ -66,7 +66,7 @@ def test_its_plan_is_as_cheap_as_that_of_the_search(monkeypatch):
 
 def given_up(fleet, first, judge, proof_seconds):
     """Stand for a proof that came to nothing."""
-    state = replace(planning.SearchState.of(fleet), incumbent=first)
+    state = replace(certified.SearchState.of(fleet), incumbent=first)
     return ahead.Ahead(state, -np.inf, False)
 
 

@@ -46,22 +46,22 @@ def test_a_way_is_found_through_a_gap_between_the_lattices_lines(middle):
     assert np.abs(path[inside, 1] - middle).max() <= 0.25
 
 
-def test_a_vehicle_in_haste_leaves_the_lane_early_and_one_at_its_own_pace_does_not():
+def test_the_earliest_plan_leaves_the_lane_early_and_one_at_its_own_pace_does_not():
     scenario = lane()
     problem, vehicles = problem_of(scenario), scenario.vehicles
     free = problem_of(scenario.with_vehicles([replace(v, cost_weight=0.0) for v in vehicles]))
     found = [one.passage.earliest_plan(Limits()) for one in (problem, free)]
     found.append(problem.passage.plan(1.0, 1.0, Limits(), None))
     paths = [problem.means(one.z)[0] for one in found]
-    in_haste, in_haste_for_free, own = (np.flatnonzero(path[:, 0] < 22.5).max() for path in paths)
-    assert max(in_haste, in_haste_for_free) <= 10  # at full speed it is 7
-    assert own >= in_haste + 5
-    # Where effort counts for nothing, haste and risk are still weighed against each other.
+    early, early_for_free, own = (np.flatnonzero(path[:, 0] < 22.5).max() for path in paths)
+    assert max(early, early_for_free) <= 10  # at full speed it is 7
+    assert own >= early + 5
+    # Where effort counts for nothing, earliness and risk are still weighed against each other.
     assert max(one.risk for one in found) < 0.05
 
 
 @pytest.mark.slow
-def test_vehicles_placed_in_haste_take_turns_where_none_can_pass():
+def test_vehicles_placed_greedily_take_turns_where_none_can_pass():
     scenario = lane()
     models = condensed_models(scenario)
     problem = SetProblem.of(scenario, (0, 1), models, UNIT)
@@ -73,7 +73,7 @@ def test_vehicles_placed_in_haste_take_turns_where_none_can_pass():
         return Passage(path_search, rater).earliest_plan(Limits())
 
     around = Neighborhood(problem.program, UNIT, 1.0, 1.0, Limits(), 3.0, [0.0, 0.0], seek)
-    z = around.place_in_haste(np.zeros(problem.program.num_columns), [0, 1])
+    z = around.place_greedily(np.zeros(problem.program.num_columns), [0, 1])
     east, west = problem.means(z)
     in_lane = [np.flatnonzero((path[:, 0] > 7.5) & (path[:, 0] < 22.5)) for path in (east, west)]
     assert max(in_lane[0]) < min(in_lane[1]) or max(in_lane[1]) < min(in_lane[0])

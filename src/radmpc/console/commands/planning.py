@@ -26,7 +26,7 @@ from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
-from radmpc.planning import plan, seconds_granted
+from radmpc.planning import plan, seconds_allowed
 from radmpc.records import dataclass
 from radmpc.result import Result
 
@@ -133,7 +133,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
         progress_line(
             is_wanted=not request.is_verbose,
             is_planning=True,
-            seconds=seconds_granted(planner, request.time_limit),
+            seconds=seconds_allowed(planner, request.time_limit),
         ) as progress,
     ):
         result = plan(

@@ -28,6 +28,7 @@ from radmpc.experiments.study.running import Progress as Told
 from radmpc.experiments.study.running import run_study
 from radmpc.experiments.study.trial import Task
 from radmpc.records import dataclass
+from radmpc.wording import count_text
 
 __all__ = ["StudyRequest", "run_reproduction"]
 
@@ -97,7 +98,7 @@ def run_reproduction(request: StudyRequest) -> int:
         written = write_report(study, rows, request.out)
     for skipped in (m for m in chosen.methods if not m.is_available):
         show(f"left out: {skipped.name} (package {skipped.package} is not installed)")
-    show(f"{len(rows)} rows in {path}", *(f"written: {file}" for file in written))
+    show(f"{count_text(len(rows), 'row')} in {path}", *(f"written: {file}" for file in written))
     if was_interrupted:
         note(f"interrupted; the same command goes on with the other runs, rows are kept in {path}")
         return Code.NO

@@ -45,7 +45,7 @@ def run_verify_flight(path: Path, *, as_json: bool) -> int:
     try:
         summary = summary_of(record)
     except RadmpcError as error:
-        return _hopeless((*problems, f"the plan cannot be flown: {error}"), as_json=as_json)
+        return _rejected((*problems, f"the plan cannot be flown: {error}"), as_json=as_json)
     if summary.contradiction is not None:
         problems += (summary.contradiction,)
     holds = not problems
@@ -62,7 +62,7 @@ def run_verify_flight(path: Path, *, as_json: bool) -> int:
     return Code.OK if holds else Code.NO
 
 
-def _hopeless(problems: tuple[str, ...], *, as_json: bool) -> int:
+def _rejected(problems: tuple[str, ...], *, as_json: bool) -> int:
     """Report a flight that cannot even be summed up."""
     if as_json:
         show_json({"holds": False, "problems": list(problems)})

@@ -8,9 +8,10 @@ from rich.table import Table
 from rich.text import Text
 
 from radmpc.console.reports.report import facts
-from radmpc.console.words import count_text, scenario_line
+from radmpc.console.words import scenario_line
 from radmpc.flying.recording.summary import FlightSummary
 from radmpc.io.flight.record import FlightRecord, FlownMission
+from radmpc.wording import count_text
 
 __all__ = ["flight_json", "flight_report", "flight_rows"]
 

@@ -10,7 +10,6 @@ from rich.table import Table
 from rich.text import Text
 
 from radmpc.console.reports.report import facts
-from radmpc.console.words import count_text
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
 from radmpc.identification.intervals import Interval
@@ -18,6 +17,7 @@ from radmpc.identification.tails import Tails
 from radmpc.identification.unknown import misfit_of_color
 from radmpc.importing.logs.applying import recorded
 from radmpc.importing.logs.block import noise_block
+from radmpc.wording import count_text
 
 __all__ = ["identification_json", "noise_report", "tails_sentence"]
 
@@ -54,7 +54,7 @@ def noise_report(found: Identification) -> list[Table | Text]:
     for one in groups:
         parts += [_table(one, found), Text()]
     if len(found.groups) > len(groups):
-        parts.append(Text(f"and {len(found.groups) - len(groups)} vehicles more"))
+        parts.append(Text(f"and {count_text(len(found.groups) - len(groups), 'more vehicle')}"))
     parts += [Text(f"not told: {sentence}") for sentence in found.unknown]
     parts += [Text(f"warning: {warning}", style="yellow") for warning in found.warnings]
     return parts

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from radmpc.model.limits import TightLimit, tight_limits
+from radmpc.model.limits import tight_limits
 from radmpc.model.plan import Coupling, Plan, Status
 from radmpc.model.scenario import Scenario
-from radmpc.wording import percent
+from radmpc.wording import count_text, percent
 
 __all__ = [
     "advice_text",
@@ -20,10 +20,10 @@ __all__ = [
 ]
 
 _MOST_REASONS = 4
-"""Reasons of an infeasible scenario that a report lists; the rest is counted."""
+"""Reasons for planning together that a report lists; the rest is counted."""
 
 _MOST_LIMITS = 4
-"""Limits out of a vehicle's reach that a report lists; the rest is counted."""
+"""Limits in use, and vehicles at one of them, that a report lists; the rest is counted."""
 
 _SPENT = 0.97
 """Share of the risk bound beyond which it counts as used up."""
@@ -61,15 +61,14 @@ def reasons_text(plan: Plan) -> str:
     num_told = _MOST_REASONS - len(told)
     told += [coupling.sentence for coupling in rest[:num_told]]
     hidden = len(rest[num_told:])
-    noun = "coupling" if hidden == 1 else "couplings"
-    return "; ".join(told) + (f"; and {hidden} more {noun}" if hidden else "")
+    return "; ".join(told) + (f"; and {count_text(hidden, 'more coupling')}" if hidden else "")
 
 
 def _sure_text(sure: Sequence[Coupling]) -> str:
-    """Return one sentence about all who would surely collide."""
+    """Return one sentence about all pairs that would almost surely collide."""
     pairs = [f"{c.vehicle} and {c.other}" for c in sure[:_MOST_REASONS]]
     hidden = len(sure) - len(pairs)
-    pairs += [f"{hidden} more pair{'s' if hidden > 1 else ''}"] if hidden else []
+    pairs += [count_text(hidden, "more pair")] if hidden else []
     return f"{', '.join(pairs)} would almost surely collide if planned apart"
 
 
@@ -100,18 +99,25 @@ def limits_text(plan: Plan) -> str:
     # A planner that exceeds the bound was not held up by it.
     if certified is not None and _SPENT * bound <= certified <= bound:
         texts.append(f"the risk bound ({100.0 * certified / bound:.0f} % of it spent)")
-    limits = tight_limits(plan)
-    texts += [_limit(limit) for limit in limits[:_MOST_LIMITS]]
-    hidden = len(limits) - _MOST_LIMITS
-    if hidden > 0:
-        texts.append(f"{hidden} more {'limit' if hidden == 1 else 'limits'}")
+    alike: dict[tuple[str, int], list[str]] = {}
+    for limit in tight_limits(plan):
+        alike.setdefault((limit.limit, limit.num_steps), []).append(limit.vehicle)
+    groups = list(alike.items())
+    texts += [_limits(kind, steps, names) for (kind, steps), names in groups[:_MOST_LIMITS]]
+    hidden = sum(len(names) for _, names in groups[_MOST_LIMITS:])
+    if hidden:
+        texts.append(count_text(hidden, "more limit"))
     return ", ".join(texts)
 
 
-def _limit(limit: TightLimit) -> str:
-    """Return one limit and how long it is in use."""
-    steps = "1 step" if limit.num_steps == 1 else f"{limit.num_steps} steps"
-    return f"{limit.limit} limit of {limit.vehicle} ({steps})"
+def _limits(kind: str, num_steps: int, names: Sequence[str]) -> str:
+    """Return one limit, whose it is and how long it is in use."""
+    steps = count_text(num_steps, "step")
+    if len(names) == 1:
+        return f"{kind} limit of {names[0]} ({steps})"
+    hidden = len(names) - _MOST_LIMITS
+    more = f" and {hidden} more" if hidden > 0 else ""
+    return f"{kind} limits of {', '.join(names[:_MOST_LIMITS])}{more} ({steps} each)"
 
 
 def cost_text(plan: Plan) -> str:

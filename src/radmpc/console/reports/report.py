@@ -19,9 +19,10 @@ from radmpc.console.reports.reasons import (
 )
 from radmpc.console.reports.saturating import saturation_line, saturation_warning
 from radmpc.console.reports.visiting import arrivals_text, visits_text
-from radmpc.console.words import count_text, scenario_line
+from radmpc.console.words import scenario_line
 from radmpc.model.ledger import CAUSES, bound_text, risk_by_vehicle
 from radmpc.model.plan import LedgerRow, Plan
+from radmpc.wording import count_text
 
 __all__ = ["facts", "ledger_table", "plan_report", "vehicle_table", "verdict"]
 
@@ -77,7 +78,7 @@ def plan_report(
 
 
 def _plan_rows(plan: Plan, preset: str, *, bounds_risk: bool) -> dict[str, Text | str]:
-    """Return what there is to say of trajectories."""
+    """Return the rows about trajectories."""
     rows: dict[str, Text | str] = {
         "cost": cost_text(plan),
         "certificate": verdict(plan.risk.certified, plan.risk.bound),
@@ -162,7 +163,7 @@ def ledger_table(plan: Plan) -> Table:
 
 
 def vehicle_table(plan: Plan) -> Table:
-    """Return who bears the risk: the two of a pair half of it each."""
+    """Return the risk by vehicle: each of a pair bears half of theirs."""
     names = [vehicle.name for vehicle in plan.scenario.vehicles]
     parts = risk_by_vehicle(plan.risk.ledger, names)
     totals = {name: sum(causes.values()) for name, causes in parts.items()}

@@ -61,7 +61,7 @@ def cluster(address: str) -> Iterator[Executor]:
 
 
 def _check_answers(address: str) -> None:
-    """Refuse an address where nobody listens; Dask itself would report it late and at length."""
+    """Refuse an address where nothing listens; Dask itself would report it late and at length."""
     try:
         parts = urlsplit(address)
         host, port = parts.hostname, parts.port
@@ -95,7 +95,7 @@ class _Lossless(Executor):
 
 
 def _pass_on(done: Future[Any], outer: Future[Any]) -> None:
-    """Hand a result on; a lost worker as a broken executor. Who cancelled asks no more."""
+    """Hand a result on, a lost worker as a broken executor; nothing, if it was cancelled."""
     if not outer.set_running_or_notify_cancel():
         return
     try:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from radmpc.errors import ArgumentError, FileFormatError
 from radmpc.flying.measuring import measured
 from radmpc.flying.mission import Mission
-from radmpc.flying.recording.booking import recomputed
+from radmpc.flying.recording.recomputing import recomputed
 from radmpc.flying.tick import Contact, Tick
 from radmpc.io.flight.record import NewLeg, ScaleRow, TickRow, Touch
 from radmpc.model.plan import Plan
@@ -42,7 +42,7 @@ class RecordedMission(Mission):
     FileFormatError
         If the rows cannot be recomputed.
     RadmpcError
-        As of `Mission`.
+        As in `Mission`.
     """
 
     def __init__(

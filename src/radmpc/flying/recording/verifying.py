@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from radmpc.errors import RadmpcError
 from radmpc.flying.model import Model
-from radmpc.flying.recording.booking import recomputed
+from radmpc.flying.recording.recomputing import recomputed
 from radmpc.flying.tick import Contact
 from radmpc.io.flight.record import FlightRecord, FlownMission, TickRow
 from radmpc.model.scenario import Scenario

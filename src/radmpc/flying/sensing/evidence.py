@@ -1,4 +1,4 @@
-"""What a mission has measured of the factor up to which its covariances are known."""
+"""Measurements of the factor up to which a mission's covariances are known."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["Evidence"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evidence:
-    """What disturbances so far tell of a scenario's covariances.
+    """What the disturbances so far say about a scenario's covariances.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What measurements make of what is known of vehicles."""
+"""Updates what is known of vehicles by what is measured."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Observer"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observer:
-    """Makes of measured states, or estimates, what is known of vehicles.
+    """Turns measured states, or estimates, into what is known of vehicles.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class Observer:
     def _changes(
         self, step: int, expected: Sequence[Vector], states: Sequence[Vector]
     ) -> dict[int, Vector]:
-        """Return by how much what all tell of each other changes what is known of them."""
+        """Return by how much the fleet's measurements change what is known of each vehicle."""
         if self.fleet is None:
             return {}
         moved = self._moved(step, expected, states)
@@ -151,7 +151,7 @@ class Observer:
     def told_together(
         self, step: int, expected: Sequence[Vector], states: Sequence[Vector]
     ) -> tuple[Matrix, Vector] | None:
-        """Return what is told of who tell of each other: its covariance, and by how much it moved.
+        """Return the joint innovation of vehicles that inform each other, and its covariance.
 
         Parameters
         ----------

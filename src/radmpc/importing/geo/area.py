@@ -14,6 +14,7 @@ from radmpc.importing.rounding import rounded
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
 from radmpc.records import dataclass
+from radmpc.wording import count_text
 
 __all__ = ["Area", "area_of"]
 
@@ -94,9 +95,11 @@ def area_of(features: Sequence[Feature], outlines: Callable[[Feature], tuple[Mat
         raise ScenarioError(error.message, features[0].shape_path) from error
     told = "a rectangle: the workspace of the vehicles' centers"
     if not is_rectangle:
-        told = f"its bounding box is the workspace, the rest of that {len(outside)} obstacles"
+        rest = count_text(len(outside), "obstacle")
+        told = f"its bounding box is the workspace, the rest of that {rest}"
     if holes:
-        told += f"; its {len(holes)} holes are obstacles"
+        is_one = len(holes) == 1
+        told += "; its hole is an obstacle" if is_one else f"; its {len(holes)} holes are obstacles"
     return Area(Workspace(low, high), obstacles, polygon, told)
 
 

@@ -19,6 +19,7 @@ from radmpc.importing.problem import ForeignProblem
 from radmpc.io.export.names import distinct
 from radmpc.io.text.document import Document
 from radmpc.records import dataclass, replace
+from radmpc.wording import count_text
 
 __all__ = ["is_chart", "read_charts", "read_ground"]
 
@@ -159,11 +160,11 @@ def _together(
         for features, file in zip(kept, files, strict=True)
         for feature in features
     ]
-    told = [
-        ("charts", ", ".join(f"{len(k)} features of {f}" for k, f in zip(kept, files, strict=True)))
-    ]
+    counts = (f"{count_text(len(k), 'feature')} of {f}" for k, f in zip(kept, files, strict=True))
+    told = [("charts", ", ".join(counts))]
     if repeated:
-        told.append(("drawn alike", f"{repeated} features of several charts, each taken once"))
+        twice = count_text(repeated, "feature")
+        told.append(("drawn alike", f"{twice} of several charts, each taken once"))
     names = sorted(starts | clashes)
     if names:
         told.append(("names", f"{', '.join(names[:5])}: led by the file's, as several have them"))

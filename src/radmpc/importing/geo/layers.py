@@ -8,6 +8,7 @@ from radmpc.errors import ScenarioError
 from radmpc.importing.options import LAYER_ROLES
 from radmpc.io.text.files import shown
 from radmpc.records import dataclass, field
+from radmpc.wording import count_text
 
 __all__ = ["Layers"]
 
@@ -96,5 +97,6 @@ class Layers:
         if not self.wanted:
             return ()
         names = [name + (f" as {role}" if role else "") for name, role in self.wanted.items()]
-        rest = f"; {self.left_out} features of others are left out" if self.left_out else ""
+        counted = count_text(self.left_out, "feature")
+        rest = f"; left out: {counted} of others" if self.left_out else ""
         return (("layers", f"{', '.join(names)}, as asked{rest}"),)

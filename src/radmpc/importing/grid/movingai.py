@@ -18,6 +18,7 @@ from radmpc.io.native.checking import validated
 from radmpc.io.text.document import Document
 from radmpc.io.text.files import one_line, read_text, shown
 from radmpc.io.text.lines import Place
+from radmpc.wording import count_text
 
 __all__ = ["is_movingai", "map_refusal", "read_movingai", "scen_document"]
 
@@ -144,7 +145,9 @@ def read_movingai(document: Document) -> ForeignProblem:
             goals.add(goal)
             tasks.append((f"agent{len(tasks) + 1}", start, goal))
     passed = len(file.tasks) - len(tasks)
-    lines = f"{len(file.tasks)} lines of the file in their order, whatever their bucket"
+    lines = (
+        f"{count_text(len(file.tasks), 'line')} of the file in their order, whatever their bucket"
+    )
     if passed:
         lines += f"; {passed} ignored, whose start or goal an earlier one has taken"
     return grid_problem(

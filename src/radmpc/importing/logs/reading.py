@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from radmpc.arguments import check_path
@@ -17,6 +17,14 @@ from radmpc.importing.logs.ulog import read_ulog
 __all__ = ["read_logs"]
 
 _TABLES = (".csv", ".tsv", ".txt")
+"""Endings of tables, which alone have columns to be named."""
+
+_READERS: dict[str, Callable[[Path], Recording]] = {
+    ".mcap": read_mcap,
+    ".ulg": read_ulog,
+    ".db3": read_bag,
+}
+"""What reads the other logs, by their endings."""
 
 
 def read_logs(
@@ -64,14 +72,13 @@ def _checked(path: str | os.PathLike[str]) -> Path:
 def _read(path: Path, columns: Mapping[str, str]) -> Recording:
     """Return what one log holds."""
     suffix = path.suffix.lower()
-    if path.is_dir() or suffix == ".db3":
+    if path.is_dir():
         return read_bag(path)
     if suffix in _TABLES:
         return read_csv(path, columns)
-    if suffix == ".mcap":
-        return read_mcap(path)
-    if suffix == ".ulg":
-        return read_ulog(path)
+    if suffix in _READERS:
+        return _READERS[suffix](path)
     if suffix == ".bag":
         raise refusal(path, "is a ROS 1 bag: convert it, 'rosbags-convert' does")
-    raise refusal(path, "a log must end in .csv, .mcap, .ulg or .db3, or be the folder of a bag")
+    known = ", ".join((_TABLES[0], *_READERS))
+    raise refusal(path, f"a log must end in {known}, or be the folder of a bag")

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from radmpc.arrays import Matrix, Vector
 from radmpc.identification.track import Track
 from radmpc.importing.logs.recording import Recording, extra, held, interpolated, refusal
+from radmpc.wording import count_text
 
 __all__ = ["read_ulog"]
 
@@ -67,10 +68,11 @@ def read_ulog(path: Path) -> Recording:
     positions, resets = _without_resets(states, positions, "xy", "z", "delta_xy", "delta_z")
     velocities, more = _without_resets(states, velocities, "vxy", "vz", "delta_vxy", "delta_vz")
     if resets + more:
-        warnings.append(f"{path}: {resets + more} resets of the estimator are undone")
+        warnings.append(f"{path}: undone: {count_text(resets + more, 'reset')} of the estimator")
     if log.dropouts:
         seconds = sum(dropout.duration for dropout in log.dropouts) / 1000.0
-        warnings.append(f"{path}: {len(log.dropouts)} dropouts of the log, {seconds:.3g} s in all")
+        dropouts = count_text(len(log.dropouts), "dropout")
+        warnings.append(f"{path}: {dropouts} of the log, {seconds:.3g} s in all")
     controls, references = _setpoints(found.get(_SETPOINTS), times)
     track = Track(
         path.stem, str(path), f"of {path}", times, positions, velocities, controls, references

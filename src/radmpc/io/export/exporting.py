@@ -20,7 +20,7 @@ from radmpc.io.export.qgc import write_qgc
 from radmpc.io.export.ros2 import write_mcap
 from radmpc.io.export.statements import timing_sentence
 from radmpc.io.export.table import write_table
-from radmpc.io.export.tracks import Track, thinned_tracks, tracks_of
+from radmpc.io.export.tracks import TimedPath, thinned_tracks, tracks_of
 from radmpc.io.export.waypoints import write_waypoints
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
@@ -43,7 +43,7 @@ _FLEET: Mapping[str, Callable[[Job], bytes]] = {
     "mcap": write_mcap,
     "csv": write_table,
 }
-_SINGLE: Mapping[str, Callable[[Job, Track], bytes]] = {
+_SINGLE: Mapping[str, Callable[[Job, TimedPath], bytes]] = {
     "qgc": write_qgc,
     "waypoints": write_waypoints,
 }

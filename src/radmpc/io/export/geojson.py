@@ -13,7 +13,7 @@ from radmpc.io.export.origin import Placement
 from radmpc.io.export.outlines import Kind, footprint, goal_outline, holes, outline
 from radmpc.io.export.relations import ranges_kept, whom
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
-from radmpc.io.export.tracks import Track
+from radmpc.io.export.tracks import TimedPath
 from radmpc.io.text.json_text import write_json
 from radmpc.model.goal import Goal
 from radmpc.model.obstacle import Obstacle
@@ -70,7 +70,7 @@ def _feature(kind: str, name: str, shape: str, coordinates: object, **more: obje
     }
 
 
-def _path(track: Track, place: Placement) -> Feature:
+def _path(track: TimedPath, place: Placement) -> Feature:
     """Return a track as a line; its lists have one entry per corner."""
     sigmas = {
         f"three_sigma_{axis}": np.round(column, 6).tolist()
@@ -81,7 +81,7 @@ def _path(track: Track, place: Placement) -> Feature:
     return _feature("path", track.name, "LineString", line, **more)
 
 
-def _start(track: Track, job: Job) -> Feature:
+def _start(track: TimedPath, job: Job) -> Feature:
     """Return where a vehicle starts, and which ranges it keeps."""
     (position,) = _positions(track.vehicle.start_position[None], job.place)
     more = {"radius": track.vehicle.radius} | ranges_kept(job.plan.scenario.keep, track.name)
@@ -99,7 +99,7 @@ def _box(kind: str, name: str, box: Goal | Visit, place: Placement, **more: obje
     return _feature(kind, name, "Polygon", [ring], **heights, **more)
 
 
-def _visits(track: Track, place: Placement) -> Iterator[Feature]:
+def _visits(track: TimedPath, place: Placement) -> Iterator[Feature]:
     """Yield what a vehicle visits, in order, and when it does."""
     for number, visit in enumerate(track.vehicle.via):
         when: dict[str, object] = {"number": number}

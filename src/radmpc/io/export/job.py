@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from radmpc.errors import ScenarioError
 from radmpc.io.export.origin import Placement
-from radmpc.io.export.tracks import Track
+from radmpc.io.export.tracks import TimedPath
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass
 
@@ -19,7 +19,7 @@ class Job:
     ----------
     plan : Plan
         With trajectories.
-    tracks : tuple of Track
+    tracks : tuple of TimedPath
         One per vehicle.
     is_certified : bool
         Whether the plan holds within its bound.
@@ -32,7 +32,7 @@ class Job:
     """
 
     plan: Plan
-    tracks: tuple[Track, ...]
+    tracks: tuple[TimedPath, ...]
     is_certified: bool
     placement: Placement | None = None
     altitude: float = 0.0

@@ -16,7 +16,7 @@ from radmpc.io.export.origin import Placement
 from radmpc.io.export.outlines import Kind, goal_outline, holes, kind_of, outline, triangles
 from radmpc.io.export.relations import ranges_kept, whom
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
-from radmpc.io.export.tracks import Track, check_duration
+from radmpc.io.export.tracks import TimedPath, check_duration
 from radmpc.model.goal import Goal
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.visits import Visit
@@ -88,7 +88,7 @@ def _description(job: Job) -> str:
     return "\n".join(sentences)
 
 
-def _vehicle(parent: Element, track: Track, style: str, job: Job) -> None:
+def _vehicle(parent: Element, track: TimedPath, style: str, job: Job) -> None:
     """Add a vehicle's folder: track, start and goal."""
     place = job.place
     folder = SubElement(parent, "Folder")

@@ -6,7 +6,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.io.export.origin import Placement
-from radmpc.io.export.tracks import Track
+from radmpc.io.export.tracks import TimedPath
 from radmpc.records import dataclass
 
 __all__ = [
@@ -115,12 +115,12 @@ def stops(times: Vector, positions: Matrix) -> tuple[Stop, ...]:
     return tuple(chosen)
 
 
-def mission_items(track: Track, placement: Placement) -> tuple[Item, ...]:
+def mission_items(track: TimedPath, placement: Placement) -> tuple[Item, ...]:
     """Return a track as waypoints, the speed of each leg set before it.
 
     Parameters
     ----------
-    track : Track
+    track : TimedPath
         Whose means become waypoints, the start included.
     placement : Placement
         Where its local frame lies.
@@ -144,12 +144,12 @@ def mission_items(track: Track, placement: Placement) -> tuple[Item, ...]:
     return tuple(items)
 
 
-def visits_of(track: Track) -> list[dict[str, float]]:
+def visits_of(track: TimedPath) -> list[dict[str, float]]:
     """Return which waypoints are visits: their number in a mission, the visit's, step and time.
 
     Parameters
     ----------
-    track : Track
+    track : TimedPath
         Whose means become waypoints.
 
     Returns

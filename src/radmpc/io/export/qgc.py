@@ -7,7 +7,7 @@ import json
 from radmpc.io.export.job import Job
 from radmpc.io.export.mission import WAYPOINT, Item, mission_items, visits_of
 from radmpc.io.export.statements import origin_sentence, risk_sentence, timing_sentence, title
-from radmpc.io.export.tracks import Track
+from radmpc.io.export.tracks import TimedPath
 
 __all__ = ["write_qgc"]
 
@@ -20,14 +20,14 @@ _GENERIC = 0
 _DATUM = "altitudes are in meters above home, which stands at the height of the plan's origin"
 
 
-def write_qgc(job: Job, track: Track) -> bytes:
+def write_qgc(job: Job, track: TimedPath) -> bytes:
     """Return a vehicle's part of a plan as a QGroundControl plan.
 
     Parameters
     ----------
     job : Job
         The plan and its place on earth.
-    track : Track
+    track : TimedPath
         The vehicle's part.
 
     Returns

@@ -21,7 +21,7 @@ from radmpc.io.export.ros2_definitions import (
     PATH_DEFINITION,
 )
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
-from radmpc.io.export.tracks import Track, check_duration
+from radmpc.io.export.tracks import TimedPath, check_duration
 from radmpc.model.obstacle import Obstacle
 
 __all__ = ["FRAME", "OBSTACLE_TOPIC", "path_topics", "write_mcap"]
@@ -116,7 +116,7 @@ def _metadata(job: Job, topics: dict[str, str]) -> dict[str, str]:
     return content
 
 
-def _path(track: Track, altitude: float) -> Message:
+def _path(track: TimedPath, altitude: float) -> Message:
     """Return a track as a path; poses are not turned: a plan has no headings."""
     poses = [
         {"header": _header(time), "pose": {"position": point, "orientation": _NO_TURN}}

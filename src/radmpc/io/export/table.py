@@ -6,7 +6,7 @@ import csv
 from io import StringIO
 
 from radmpc.io.export.job import Job
-from radmpc.io.export.tracks import Track
+from radmpc.io.export.tracks import TimedPath
 
 __all__ = ["write_table"]
 
@@ -41,7 +41,7 @@ def write_table(job: Job) -> bytes:
     return buffer.getvalue().encode()
 
 
-def _row(track: Track, step: int, num_controls: int) -> list[str]:
+def _row(track: TimedPath, step: int, num_controls: int) -> list[str]:
     """Return the cells of a vehicle at a step."""
     position = track.positions[step].tolist()
     velocity = None if track.velocities is None else track.velocities[step].tolist()

@@ -13,11 +13,11 @@ from radmpc.model.plan import Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass, replace
 
-__all__ = ["Track", "check_duration", "thinned_tracks", "tracks_of", "velocities_over_ground"]
+__all__ = ["TimedPath", "check_duration", "thinned_tracks", "tracks_of", "velocities_over_ground"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track:
+class TimedPath:
     """Where a vehicle is meant to be, and how sure that is.
 
     Attributes
@@ -54,7 +54,7 @@ class Track:
         return self.vehicle.name
 
 
-def tracks_of(plan: Plan) -> tuple[Track, ...]:
+def tracks_of(plan: Plan) -> tuple[TimedPath, ...]:
     """Return the tracks of a plan, in the scenario's order.
 
     Parameters
@@ -84,13 +84,13 @@ def tracks_of(plan: Plan) -> tuple[Track, ...]:
 
 
 def thinned_tracks(
-    tracks: Sequence[Track], steps: Mapping[str, Sequence[int]]
-) -> tuple[Track, ...]:
+    tracks: Sequence[TimedPath], steps: Mapping[str, Sequence[int]]
+) -> tuple[TimedPath, ...]:
     """Return tracks of some of their steps.
 
     Parameters
     ----------
-    tracks : sequence of Track
+    tracks : sequence of TimedPath
         Of all steps.
     steps : mapping
         Those that stay, by the vehicle's name.
@@ -157,7 +157,7 @@ def check_duration(plan: Plan, longest: float, what: str) -> None:
         )
 
 
-def _track(plan: Plan, index: int, vehicle: Vehicle, part: Trajectory) -> Track:
+def _track(plan: Plan, index: int, vehicle: Vehicle, part: Trajectory) -> TimedPath:
     """Return a vehicle's track, its arrays checked."""
     system, steps = vehicle.system, plan.scenario.horizon
     n, m = system.num_states, system.num_controls
@@ -170,7 +170,7 @@ def _track(plan: Plan, index: int, vehicle: Vehicle, part: Trajectory) -> Track:
         if found != shape:
             raise ScenarioError(f"must have shape {shape}, got {found}", ("vehicles", index, field))
     axes = list(system.position)
-    return Track(
+    return TimedPath(
         vehicle=vehicle,
         times=np.arange(steps + 1, dtype=np.float64) * plan.scenario.dt,
         positions=part.means[:, axes],

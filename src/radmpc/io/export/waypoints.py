@@ -5,7 +5,7 @@ from __future__ import annotations
 from radmpc.io.export.job import Job
 from radmpc.io.export.mission import WAYPOINT, Item, mission_items, visits_of
 from radmpc.io.export.statements import origin_sentence, risk_sentence, timing_sentence, title
-from radmpc.io.export.tracks import Track
+from radmpc.io.export.tracks import TimedPath
 from radmpc.io.text.files import one_line
 
 __all__ = ["write_waypoints"]
@@ -19,14 +19,14 @@ _DATUM = (
 )
 
 
-def write_waypoints(job: Job, track: Track) -> bytes:
+def write_waypoints(job: Job, track: TimedPath) -> bytes:
     """Return a vehicle's part of a plan as an ArduPilot mission.
 
     Parameters
     ----------
     job : Job
         The plan and its place on earth.
-    track : Track
+    track : TimedPath
         The vehicle's part.
 
     Returns

@@ -11,6 +11,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ArgumentError
 from radmpc.model.plan import Cause, Plan
 from radmpc.records import dataclass, field
+from radmpc.wording import count_text
 
 __all__ = [
     "FlightRecord",
@@ -201,8 +202,8 @@ class FlownMission:
 
     def __repr__(self) -> str:
         """Return what became of it in one line."""
-        hit = f"{len(self.contacts)} contacts" if self.contacts else "no collision"
-        return f"FlownMission({self.number}: {len(self.rows)} ticks, {hit})"
+        hit = count_text(len(self.contacts), "contact") if self.contacts else "no collision"
+        return f"FlownMission({self.number}: {count_text(len(self.rows), 'tick')}, {hit})"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -242,4 +243,5 @@ class FlightRecord:
         """Return the flight in one line."""
         over, asked = sum(mission.is_over for mission in self.missions), self.settings.missions
         name = self.plan.scenario.name
-        return f"FlightRecord({name!r}: {over} of {asked} missions over, {len(self.rows)} ticks)"
+        ticks = count_text(len(self.rows), "tick")
+        return f"FlightRecord({name!r}: {over} of {count_text(asked, 'mission')} over, {ticks})"

@@ -6,22 +6,14 @@ from functools import lru_cache
 from typing import Protocol
 
 from radmpc.arrays import Matrix, frozen
-from radmpc.model.dynamics import LinearSystem
-from radmpc.model.noise.spread import Noise, Spread, spread_of
+from radmpc.model.noise.fleet_chain import Shaken
+from radmpc.model.noise.spread import Spread, spread_of
 
-__all__ = ["Shaken", "kept_spread"]
+__all__ = ["Steered", "kept_spread"]
 
 
-class Shaken(Protocol):
-    """A vehicle, as far as its noise goes."""
-
-    @property
-    def system(self) -> LinearSystem:
-        """Its dynamics."""
-
-    @property
-    def noise(self) -> Noise:
-        """What shakes it."""
+class Steered(Shaken, Protocol):
+    """A vehicle, as far as its noise and its feedback go."""
 
     @property
     def gain(self) -> Matrix | None:
@@ -29,7 +21,7 @@ class Shaken(Protocol):
 
 
 @lru_cache(maxsize=64)
-def kept_spread(vehicle: Shaken, horizon: int) -> Spread:
+def kept_spread(vehicle: Steered, horizon: int) -> Spread:
     """Return a vehicle's covariances, the same again for the same value.
 
     Vehicles never change, and two of them are the same only if they are one; the arrays are
@@ -37,7 +29,7 @@ def kept_spread(vehicle: Shaken, horizon: int) -> Spread:
 
     Parameters
     ----------
-    vehicle : Shaken
+    vehicle : Steered
         The vehicle.
     horizon : int
         Number of steps T.

@@ -23,6 +23,6 @@ far. Every phase takes both and returns the next state:
    and says why there is none.
 7. `turned` improves the plan by half-spaces that need not be faces.
 
-`planning` calls them in turn. Beside the two values only the search trees of `within_budget` are
+`certified` calls them in turn. Beside the two values only the search trees of `within_budget` are
 kept, which go on where they stood; `state.bounds` reads off a state what it proves.
 """

@@ -120,7 +120,7 @@ def _planned_in_turn(
     start = fleet.programs.assembled(members, alone)
     found = [around.place(start, order)]
     if found[0] is None and not fleet.limits.reached:
-        found.append(around.place_in_haste(start, order))
+        found.append(around.place_greedily(start, order))
     known = state.hint(fleet, members)
     if known is not None:
         found.append(around.improve(known, [[block] for block in order]))

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector, distinct
-from radmpc.gaussian import Tail
+from radmpc.gaussian import Tail, clearance
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
@@ -17,8 +17,8 @@ __all__ = ["by_sets", "inter_set_risks", "pair_risks_across_sets"]
 _FAR = 8.0
 """Standard deviations beyond which a pair's risk is nothing (6e-16)."""
 
-_CONTACT = 1e-9
-"""What vehicles without noise may miss their distance by [m]: what programs and referee allow."""
+_NOISELESS = 1e-12
+"""Deviations up to which there is no noise: they are rounding of variances that cancel [m]."""
 
 _SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
 """Shares θ of the reserve for the sagitta at the near end that are tried: 4θ² of the sagitta there,
@@ -156,10 +156,8 @@ def _along_intervals(apart_by: Tensor, deviations: Tensor, sagitta: Tensor, tail
 
 def _tails(apart_by: Tensor, deviations: Tensor, tail: Tail) -> Tensor:
     """Return tails of slacks; without noise contact alone is a collision."""
-    noisy = deviations > 1e-12
-    certain = np.where(apart_by >= -_CONTACT, np.inf, -np.inf)
-    clearances = np.where(noisy, apart_by / np.where(noisy, deviations, 1.0), certain)
-    return np.asarray(tail.probability(clearances))
+    noise = np.where(deviations > _NOISELESS, deviations, 0.0)
+    return np.asarray(tail.probability(clearance(apart_by, noise)))
 
 
 def _along(faces: Matrix, common: Tensor, pairs: tuple[Indices, Indices]) -> Tensor:

@@ -18,7 +18,7 @@ from radmpc.planners.draft import Step
 from radmpc.planners.verdict import Judge
 from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits, relative_gap
-from radmpc.wording import percent
+from radmpc.wording import count_text, percent
 
 __all__ = ["PriceSearch"]
 
@@ -182,11 +182,11 @@ def _tell(fleet: Fleet, state: SearchState, candidate: Round) -> None:
             f"{incumbent.certified:.3g} of risk bound {fleet.scenario.risk_bound:g}"
         )
     _LOG.info(
-        "%s %d: %d sets, the largest of %d; 1 %% of the risk bound at a price of %.3g; union "
+        "%s %d: %s, the largest of %d; 1 %% of the risk bound at a price of %.3g; union "
         "bounds sum to %.3g, up to %.3g allowed; %s; %.2f s",
         step.stage,
         step.iteration + 1,
-        len(candidate.sets),
+        count_text(len(candidate.sets), "set"),
         max(len(members) for members in candidate.sets),
         candidate.unit_price / fleet.unit * 0.01 * fleet.scenario.risk_bound,
         candidate.risk + candidate.inter_set_risk,

@@ -83,7 +83,7 @@ def reach_sentence(scenario: Scenario, late: Iterable[int], does: Does, limits: 
     late : iterable of int
         Vehicles that cannot reach their goals through empty space.
     does, limits
-        As of `room_sentence`: whether all vehicles of a changed scenario reach theirs.
+        As in `room_sentence`: whether all vehicles of a changed scenario reach theirs.
 
     Returns
     -------

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.gaussian import Tail
+from radmpc.gaussian import Tail, clearance
 from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.boxes import Box
@@ -138,6 +138,5 @@ def border_charges(scenario: Scenario, box: Box, points: Matrix) -> Iterator[tup
         for slack in (places - workspace.lower[axis], workspace.upper[axis] - places):
             if slack.min() > far_of(scenario) * deviation:
                 continue
-            certain = np.where(slack >= -1e-9, np.inf, -np.inf)
-            clearance = slack / deviation if deviation > 0.0 else certain
-            yield np.asarray(tail.probability(clearance)), float(slack.max())
+            clearances = clearance(slack, np.full(slack.shape, deviation))
+            yield np.asarray(tail.probability(clearances)), float(slack.max())

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from radmpc.gaussian import Tail
+from radmpc.gaussian import Tail, clearance
 from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.boxes import Box
@@ -74,6 +74,6 @@ def lost_ranges(
         covariance = relative_covariances(models[i], models[j])[-1 if at_goal else 0]
         deviation = float(np.sqrt(max(normal @ covariance @ normal, 0.0)))
         slack = within - distance
-        clearance = slack / deviation if deviation > 0.0 else np.copysign(np.inf, slack)
-        risk = float(tail.probability(np.array([clearance]))[0])
+        held = clearance(np.array([slack]), np.array([deviation]))
+        risk = float(tail.probability(held)[0])
         yield LostRange((i, j), at_goal, distance, within, risk)

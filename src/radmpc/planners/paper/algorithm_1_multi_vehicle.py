@@ -18,6 +18,7 @@ from radmpc.planners.policies import Pool
 from radmpc.planners.sets import SetPlan, in_order, plan_sets, verdict_of_sets
 from radmpc.records import dataclass, field
 from radmpc.solvers.solution import Outcome
+from radmpc.wording import count_text
 
 __all__ = ["Couplings"]
 
@@ -88,10 +89,10 @@ class Couplings(Decomposition):
             sets = connected_sets(found.pair_risk, self.threshold, found.forced)
 
         _LOG.info(
-            "approximation: %.2f s, %d subproblems without a solution; %d sets, the largest of %d",
+            "approximation: %.2f s, %s without a solution; %s, the largest of %d",
             seconds["radmpc"],
-            len(found.events),
-            len(sets),
+            count_text(len(found.events), "subproblem"),
+            count_text(len(sets), "set"),
             max(len(members) for members in sets),
         )
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.gaussian import GAUSSIAN, Tail
+from radmpc.gaussian import GAUSSIAN, Tail, clearance
 from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
 from radmpc.planners.components import components
@@ -89,12 +89,9 @@ def _margins(faces: tuple[Matrix, Vector], radius: float, place: Place) -> tuple
 
 def _held(places: Sequence[tuple[Vector, Vector]], reserve: Vector | float) -> Vector:
     """Return the least clearance of some places, a reserve kept, in standard deviations."""
-    found = []
-    for margins, deviations in places:
-        slack, noisy = margins - reserve, deviations > 0.0
-        certain = np.where(slack >= 0.0, np.inf, -np.inf)
-        found.append(np.where(noisy, slack / np.where(noisy, deviations, 1.0), certain))
-    return np.asarray(np.minimum.reduce(found))
+    return np.asarray(
+        np.minimum.reduce([clearance(margins - reserve, spread) for margins, spread in places])
+    )
 
 
 def connected_sets(

@@ -23,6 +23,7 @@ from radmpc.records import dataclass
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.lp.one_selection import solve_selection
 from radmpc.solvers.solution import Outcome, Solution
+from radmpc.wording import count_text
 
 __all__ = ["Ira"]
 
@@ -179,10 +180,10 @@ class _Iteration:
 def _tell(step: Step, seconds: float) -> None:
     """Log an iteration."""
     _LOG.info(
-        "%s, %d vehicles: iteration %d, cost %.6g; %d of %d constraints use up their risk; "
+        "%s, %s: iteration %d, cost %.6g; %d of %d constraints use up their risk; "
         "union bounds sum to %.3g, %.3g allocated; %.2f s",
         step.stage,
-        len(step.vehicles),
+        count_text(len(step.vehicles), "vehicle"),
         step.iteration + 1,
         step.cost,
         step.num_active,

@@ -11,7 +11,7 @@ from radmpc.model.scenario import Avoidance, Scenario
 from radmpc.notebook import html_table
 from radmpc.records import dataclass
 from radmpc.referee.bound.bounds import step_risks
-from radmpc.referee.bound.ledger import Account, total_risk
+from radmpc.referee.bound.charging import Account, total_risk
 from radmpc.referee.bound.workspace import workspace_risks
 from radmpc.referee.claims import claim_problems, limit_problems, shape_problems
 from radmpc.referee.gather import Gathered, gather_obstacles, gather_pairs

@@ -33,7 +33,7 @@ from radmpc.referee.conditional.rows import (
     Witnesses,
 )
 from radmpc.referee.conditional.strays import places_at
-from radmpc.referee.conditional.tables import Moments, all_integrals, at_steps, joined, links
+from radmpc.referee.conditional.tables import TimedRows, all_integrals, at_steps, joined, links
 from radmpc.referee.conditional.valuing import are_sharp
 from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
 from radmpc.referee.gather import gather_obstacles, gather_pairs
@@ -121,7 +121,7 @@ class _Purchase:
     first: list[Indices] = field(default_factory=list)
     other: list[Indices] = field(default_factory=list)
     widths: list[Vector] = field(default_factory=list)
-    tables: list[Moments] = field(default_factory=list)
+    tables: list[TimedRows] = field(default_factory=list)
     integrals: list[IntegralRows] = field(default_factory=list)
 
     def take_all(self, batch: Encounters, *, intervals: bool) -> None:
@@ -279,7 +279,7 @@ class _Purchase:
             bends[1] = 1.0 / parts**2
         before, nested = links(choice, ends)
         first = 0 if choice.first is None else np.repeat(choice.first, num_intervals * parts)
-        table = Moments(
+        table = TimedRows(
             encounters=np.repeat(np.repeat(numbers, num_intervals * parts), ends),
             windows=np.repeat(first + moments // parts, ends),
             normals=np.repeat(flat, ends, axis=0),

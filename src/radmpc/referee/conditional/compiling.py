@@ -12,7 +12,7 @@ from radmpc.referee.conditional.loops import Loops, since, together
 from radmpc.referee.conditional.rows import Flags, HalfspaceRows, Parties
 from radmpc.referee.conditional.spreads import deviations_of
 from radmpc.referee.conditional.strays import strays_of
-from radmpc.referee.conditional.tables import Moments
+from radmpc.referee.conditional.tables import TimedRows
 from radmpc.referee.reserve import in_deviations
 from radmpc.referee.tracks import Tracks
 
@@ -20,13 +20,13 @@ __all__ = ["compiled", "with_telling_links"]
 
 
 def compiled(
-    moments: Moments, parties: Parties, loops: Loops, tracks: Tracks | None
+    moments: TimedRows, parties: Parties, loops: Loops, tracks: Tracks | None
 ) -> HalfspaceRows:
     """Return half-spaces as rows on states, with what they share with the rows before.
 
     Parameters
     ----------
-    moments : Moments
+    moments : TimedRows
         The half-spaces.
     parties : Parties
         The encounters.
@@ -75,7 +75,7 @@ def compiled(
     )
 
 
-def _on_states(moments: Moments, vehicles: Indices, loops: Loops) -> Matrix:
+def _on_states(moments: TimedRows, vehicles: Indices, loops: Loops) -> Matrix:
     """Return ``n·[(1 − s) P + s P F − s (1 − s) G − β G]`` per row, (E, n)."""
     s = moments.shares[:, None, None]
     onward: Tensor = loops.picks @ loops.transitions[:, 0]

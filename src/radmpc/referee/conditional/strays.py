@@ -10,7 +10,7 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.records import dataclass
 from radmpc.referee.conditional.rows import Parties
-from radmpc.referee.conditional.tables import Moments
+from radmpc.referee.conditional.tables import TimedRows
 from radmpc.referee.tracks import Tracks
 
 __all__ = ["Strays", "places_at", "strays_of"]
@@ -35,12 +35,12 @@ class Strays:
     before: Vector
 
 
-def strays_of(moments: Moments, parties: Parties, tracks: Tracks) -> Strays:
+def strays_of(moments: TimedRows, parties: Parties, tracks: Tracks) -> Strays:
     """Return what obstacles' places add to rows.
 
     Parameters
     ----------
-    moments : Moments
+    moments : TimedRows
         The rows.
     parties : Parties
         The encounters.

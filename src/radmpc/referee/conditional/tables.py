@@ -13,11 +13,11 @@ from radmpc.referee.conditional.choices import Choice
 from radmpc.referee.conditional.rows import Flags, IntegralRows
 from radmpc.referee.sites import Sites
 
-__all__ = ["Moments", "all_integrals", "at_steps", "joined", "links"]
+__all__ = ["TimedRows", "all_integrals", "at_steps", "joined", "links"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moments:
+class TimedRows:
     """Half-spaces in the order of time, E of them, before anything is known of the noise.
 
     Attributes
@@ -43,9 +43,9 @@ class Moments:
     before: Indices
     nested: Flags
 
-    def take(self, chosen: Indices) -> Moments:
+    def take(self, chosen: Indices) -> TimedRows:
         """Return some half-spaces, none of which is linked to another."""
-        return Moments(
+        return TimedRows(
             self.encounters[chosen],
             self.windows[chosen],
             self.normals[chosen],
@@ -57,12 +57,12 @@ class Moments:
         )
 
 
-def joined(tables: Sequence[Moments], dimension: int) -> Moments:
+def joined(tables: Sequence[TimedRows], dimension: int) -> TimedRows:
     """Return all half-spaces in one table.
 
     Parameters
     ----------
-    tables : sequence of Moments
+    tables : sequence of TimedRows
         Any number of them.
     dimension : int
         d.
@@ -73,7 +73,7 @@ def joined(tables: Sequence[Moments], dimension: int) -> Moments:
         np.where(t.before < 0, -1, t.before + start)
         for t, start in zip(tables, starts, strict=False)
     ]
-    return Moments(
+    return TimedRows(
         np.concatenate([ints, *(t.encounters for t in tables)]),
         np.concatenate([ints, *(t.windows for t in tables)]),
         np.concatenate([np.zeros((0, dimension)), *(t.normals for t in tables)]),
@@ -85,7 +85,7 @@ def joined(tables: Sequence[Moments], dimension: int) -> Moments:
     )
 
 
-def at_steps(sites: Sites, normals: Matrix, numbers: Indices) -> Moments:
+def at_steps(sites: Sites, normals: Matrix, numbers: Indices) -> TimedRows:
     """Return one half-space per encounter and step.
 
     Parameters
@@ -103,7 +103,7 @@ def at_steps(sites: Sites, normals: Matrix, numbers: Indices) -> Moments:
     windows, none = np.tile(np.arange(steps), len(numbers)), np.zeros(count)
     apart, same = np.full(count, -1), np.zeros(count, dtype=bool)
     owners = np.repeat(numbers, steps)
-    return Moments(owners, windows, normals, margins, none, none, apart, same)
+    return TimedRows(owners, windows, normals, margins, none, none, apart, same)
 
 
 def links(choice: Choice, ends: int) -> tuple[Indices, Flags]:

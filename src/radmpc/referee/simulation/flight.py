@@ -22,11 +22,11 @@ from radmpc.referee.simulation.projections import Projections
 from radmpc.referee.simulation.sweep import SweepPart
 from radmpc.referee.simulation.watch import OBSTACLE, PAIR, RANGE, WORKSPACE, Watch, WatchList
 
-__all__ = ["Chunk", "Flight"]
+__all__ = ["Chunk", "SampledFleet"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Flight:
+class SampledFleet:
     """Everything that all chunks share; read-only, so that threads may.
 
     Attributes
@@ -101,7 +101,7 @@ class Chunk:
 
     Attributes
     ----------
-    flight : Flight
+    flight : SampledFleet
         What is flown.
     size : int
         Samples.
@@ -113,7 +113,7 @@ class Chunk:
         What the controls of the last step asked for beyond their limits.
     """
 
-    flight: Flight
+    flight: SampledFleet
     size: int
     hits: Flags = field(init=False)
     saturated: Flags = field(init=False)

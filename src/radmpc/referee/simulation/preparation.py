@@ -13,7 +13,7 @@ from radmpc.referee.claims import shape_problems
 from radmpc.referee.motion import propagate
 from radmpc.referee.sampling import Sampler
 from radmpc.referee.saturation import cutoffs, may_saturate, saturation_bound
-from radmpc.referee.simulation.flight import Flight
+from radmpc.referee.simulation.flight import SampledFleet
 from radmpc.referee.simulation.projections import projections_of
 from radmpc.referee.simulation.sweep import SweepPart, resting, swept
 from radmpc.referee.simulation.watch import OBSTACLE, Watch, watch_list
@@ -21,7 +21,7 @@ from radmpc.referee.simulation.watch import OBSTACLE, Watch, watch_list
 __all__ = ["prepare"]
 
 
-def prepare(plan: Plan, *, everyone: bool = False) -> Flight:
+def prepare(plan: Plan, *, everyone: bool = False) -> SampledFleet:
     """Return a plan ready to be flown.
 
     Parameters
@@ -60,7 +60,7 @@ def prepare(plan: Plan, *, everyone: bool = False) -> Flight:
     cut = cutoffs(scenario, motion, loose, controls, sampler)
     projections = projections_of(scenario, motion, sampler, cut[0])
     open_loop = [i for i, v in enumerate(scenario.vehicles) if v.gain is None]
-    return Flight(
+    return SampledFleet(
         scenario,
         motion,
         sampler,

@@ -8,7 +8,7 @@ from itertools import count
 from typing import Any
 
 from radmpc.model.plan import Plan
-from radmpc.serving.desk.flight import Flight
+from radmpc.serving.desk.flight import OpenFlight
 from radmpc.serving.desk.kept import KeptPlan
 from radmpc.serving.desk.looking import Lookout
 from radmpc.serving.desk.opening import Opened
@@ -53,7 +53,7 @@ class Desk:
         self.documents: dict[str, Document] = {}
         self.plans: dict[str, KeptPlan] = {}
         self.searches: dict[str, Search] = {}
-        self.flights: dict[str, Flight] = {}
+        self.flights: dict[str, OpenFlight] = {}
         self.first: str | None = None
         self.opening: asyncio.Task[None] | None = None
         self.judging: dict[str, asyncio.Future[Plan]] = {}
@@ -78,7 +78,7 @@ class Desk:
         """Return a search; see `document`."""
         return known(self.searches, number, "search")
 
-    def flight(self, number: str) -> Flight:
+    def flight(self, number: str) -> OpenFlight:
         """Return a flight; see `document`."""
         return known(self.flights, number, "flight")
 
@@ -188,7 +188,7 @@ class Desk:
         search.begin(self.crew)
         return search
 
-    def begin_flight(self, kept: KeptPlan, args: tuple[object, ...]) -> Flight:
+    def begin_flight(self, kept: KeptPlan, args: tuple[object, ...]) -> OpenFlight:
         """Begin to fly a plan.
 
         Parameters
@@ -209,7 +209,7 @@ class Desk:
             raise CallError("limit", f"{_MOST_FLIGHTS} flights are under way: stop one")
         scenario = kept.plan.scenario
         whose = (self._number("f"), kept.document, kept.number)
-        flight = Flight(*whose, scenario.horizon, scenario.risk_bound)
+        flight = OpenFlight(*whose, scenario.horizon, scenario.risk_bound)
         forget(self.flights, kept.document, _MOST_ENDED)
         self.flights[flight.number] = flight
         job = (kept.plan, *args)
@@ -228,7 +228,7 @@ class Desk:
     def _add_flown(self, kept: KeptPlan, opened: Opened) -> None:
         """Put a flight that was read from its file on the desk."""
         scenario = kept.plan.scenario
-        flight = Flight(
+        flight = OpenFlight(
             self._number("f"),
             kept.document,
             kept.number,
@@ -284,12 +284,12 @@ class Desk:
         for plan in of_document[: max(0, len(of_document) - _MOST_KEPT)]:
             del self.plans[plan.number]
 
-    def _flight_changed(self, flight: Flight) -> None:
+    def _flight_changed(self, flight: OpenFlight) -> None:
         """Tell every page how a flight stands."""
         if flight.number in self.flights:
             self.tell({"event": "flight", "state": flight.state})
 
-    def _ticked(self, flight: Flight, tick: TickView) -> None:
+    def _ticked(self, flight: OpenFlight, tick: TickView) -> None:
         """Tell every page of a tick."""
         if flight.number in self.flights:
             self.tell({"event": "tick", "flight": flight.number, "tick": tick})

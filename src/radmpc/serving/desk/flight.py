@@ -11,13 +11,13 @@ from radmpc.serving.processes.crew import Crew
 from radmpc.serving.processes.worker import Worker
 from radmpc.serving.protocol import FlightState, TickView
 
-__all__ = ["Flight"]
+__all__ = ["OpenFlight"]
 
 _PATIENCE = 20.0
 """Seconds that a flight which was stopped may take to end its tick [s]; then it is killed."""
 
 
-class Flight:
+class OpenFlight:
     """A flight, from its start to its end.
 
     Parameters
@@ -83,8 +83,8 @@ class Flight:
         crew: Crew,
         args: Sequence[object],
         *,
-        changed: Callable[[Flight], None],
-        ticked: Callable[[Flight, TickView], None],
+        changed: Callable[[OpenFlight], None],
+        ticked: Callable[[OpenFlight, TickView], None],
     ) -> None:
         """Begin, in a process of the crew.
 
@@ -111,8 +111,8 @@ class Flight:
         self,
         crew: Crew,
         args: Sequence[object],
-        changed: Callable[[Flight], None],
-        ticked: Callable[[Flight, TickView], None],
+        changed: Callable[[OpenFlight], None],
+        ticked: Callable[[OpenFlight, TickView], None],
     ) -> None:
         """Fly, and tell."""
 

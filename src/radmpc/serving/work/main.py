@@ -33,7 +33,7 @@ JOBS = {
 _SET_DEATH_SIGNAL = 1
 """Number of that request to the system."""
 
-_AHEAD = ("radmpc.serving.work.planning", "radmpc.planners.certified.planning")
+_AHEAD = ("radmpc.serving.work.planning", "radmpc.planners.certified.certified")
 """Loaded before anything is asked for, so that planning begins at once."""
 
 

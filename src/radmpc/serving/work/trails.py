@@ -14,7 +14,7 @@ from scipy.special import betaincinv
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass, field
-from radmpc.referee.simulation.flight import Chunk, Flight
+from radmpc.referee.simulation.flight import Chunk, SampledFleet
 from radmpc.referee.simulation.preparation import prepare
 from radmpc.referee.simulation.watch import OBSTACLE, PAIR, Watch
 from radmpc.serving.protocol import Collision, Trail, TrailsView
@@ -155,7 +155,7 @@ def _trail(chunk: _Remembered, sample: int, rounding: Rounding) -> Trail:
     }
 
 
-def _collision(flight: Flight, paths: Tensor, hit: _Hit, rounding: Rounding) -> Collision:
+def _collision(flight: SampledFleet, paths: Tensor, hit: _Hit, rounding: Rounding) -> Collision:
     """Return where and when a mission collides, and of whom with what."""
     scenario = flight.scenario
     vehicle = scenario.vehicles[hit.first]
@@ -172,7 +172,7 @@ def _collision(flight: Flight, paths: Tensor, hit: _Hit, rounding: Rounding) -> 
     return {"at": rounding.point(at), "time": round(time, 3), "names": names}
 
 
-def _contact(flight: Flight, ways: Tensor, hit: _Hit) -> tuple[float, Vector]:
+def _contact(flight: SampledFleet, ways: Tensor, hit: _Hit) -> tuple[float, Vector]:
     """Return the share of a window at which something is touched, and where a vehicle then is."""
     scenario = flight.scenario
 

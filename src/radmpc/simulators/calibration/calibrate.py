@@ -23,6 +23,7 @@ from radmpc.simulators.calibration.missions import (
     rate_of,
     states_of_vehicle,
 )
+from radmpc.wording import count_text
 
 __all__ = ["Calibration", "calibrate"]
 
@@ -142,7 +143,7 @@ def _tracks(
             # Nothing follows the last sample, but a log has a command there, too.
             commands = np.vstack([pushes, np.zeros((1, d))])
             clock = f"flight {number + 1}"
-            source = f"{len(missions)} missions"
+            source = count_text(len(missions), "mission")
             tracks.append(
                 Track(vehicle.name, source, clock, times, path[:, :d], path[:, d:], commands)
             )

@@ -100,7 +100,7 @@ class Neighborhood:
                 return None
         return None
 
-    def place_in_haste(self, alone: Vector, order: Sequence[int]) -> Vector | None:
+    def place_greedily(self, alone: Vector, order: Sequence[int]) -> Vector | None:
         """Place blocks greedily, each to arrive as soon as those before it let it pass.
 
         Parameters
@@ -115,7 +115,7 @@ class Neighborhood:
         """
         for sequence in (list(order), list(order)[::-1]):
             tried, following = list[list[int]](), sequence
-            for _ in range(TUNING.tries_in_haste):
+            for _ in range(TUNING.greedy_tries):
                 z, failed = self._placed_greedily(alone, following)
                 if failed is None:
                     return self.improve(z, [[block] for block in following])

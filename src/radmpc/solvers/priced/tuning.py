@@ -53,7 +53,7 @@ class Tuning:
     tries : int
         Orders in which blocks are placed [-]; each new one begins with the block that found no
         path.
-    tries_in_haste : int
+    greedy_tries : int
         Orders where each block is placed by the construction heuristic [-], whose runs are short.
     nodes : int
         Nodes per free block [-]: it is a heuristic, not a proof.
@@ -81,7 +81,7 @@ class Tuning:
     rough_gap: float = 5e-3
     nodes_around: int = 60
     tries: int = 3
-    tries_in_haste: int = 5
+    greedy_tries: int = 5
     nodes: int = 200
     open_slack: float = 0.8
     far_slack: float = 1.0

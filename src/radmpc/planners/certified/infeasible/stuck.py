@@ -52,7 +52,7 @@ def stuck_reason(
     members = _smallest(scenario, members, limits)
     part = scenario.subset(members, scenario.risk_bound)
     if _has_plan(with_noise(part, _QUIET), limits):
-        what = "no way on which the noise leaves room (without noise there is one)"
+        what = "no path with enough clearance for the noise (without noise there is one)"
     else:
         blockers = _blockers(part, limits)
         what = "no plan at any risk"

@@ -23,7 +23,7 @@ from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
 from radmpc.planners.verdict import Judge
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import relative_gap
-from radmpc.wording import percent
+from radmpc.wording import count_text, percent
 
 __all__ = ["Ahead", "prove_ahead"]
 
@@ -112,9 +112,9 @@ def _tell(fleet: Fleet, state: SearchState, on_any: float) -> None:
     incumbent, risk_bound = state.incumbent, fleet.scenario.risk_bound
     bound = max(reported_bound(fleet, state, fleet.gap), on_any)
     _LOG.info(
-        "around the first plan: %d sets; 1 %% of the risk bound at a price of %.3g; best cost "
+        "around the first plan: %s; 1 %% of the risk bound at a price of %.3g; best cost "
         "%.6g, gap %s, certificate %.3g of risk bound %g",
-        len(incumbent.sets),
+        count_text(len(incumbent.sets), "set"),
         0.01 * risk_bound * (incumbent.turned_price or 0.0),
         incumbent.cost,
         percent(relative_gap(incumbent.cost, bound)),

@@ -32,7 +32,7 @@ _SIDES = 2
 
 
 def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumbent:
-    """Return the plan of the first attempt that leads to one, or the cheapest of several sides.
+    """Return the plan of the first attempt that leads to one, or the cheapest from several starts.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
 
 
 def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, FleetIncumbent]:
-    """Keep vehicles apart, with all room or less, then turn half-spaces; return what is missed."""
+    """Keep vehicles apart at full clearance or less, then turn half-spaces; return the miss."""
     radii, successive = begin.task.hazards.radii, attempt.turning.successive
     begun = successive.paths.state()
     for kept in (begin.clearance, TUNING.narrower * begin.clearance):
@@ -90,7 +90,7 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
 
 
 def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
-    """Begin with paths alone; where there are ways, with these at even speed, paced, at random."""
+    """Begin with paths alone, or with paths around obstacles: at even speed, paced, drawn."""
     ways, hazards = begin.ways, begin.task.hazards
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
     usually = {i: timed_by_visits(hazards.models[i], way) for i, way in ways.items()}
@@ -163,7 +163,7 @@ def _sides(begin: Begin, limits: Limits) -> Iterator[Turning]:
 
 
 def _kept_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
-    """Place vehicles clear of each other: on their ways, all together tick by tick, or in order."""
+    """Place vehicles apart: on their paths, all together tick by tick, or in order."""
     from radmpc.planners.certified.turned.narrow.clear import Clear  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.narrow.knots import joint_ways  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.narrow.pacing import Pacing  # noqa: PLC0415 - few need it

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.planners.certified.turned.half_spaces import half_spaces
+from radmpc.planners.certified.turned.narrow.tuning import TUNING as NARROW
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
@@ -14,9 +15,6 @@ __all__ = ["keep_places"]
 
 _LITTLE = 1e-7
 """What half-spaces may be missed by [m]."""
-
-_ALONE = 2
-"""Sweeps before vehicles in the way of others are planned again, too [-]."""
 
 
 def keep_places(
@@ -55,7 +53,7 @@ def keep_places(
         if not missing:
             return True
         again = set(missing)
-        if sweep >= _ALONE:
+        if sweep >= NARROW.alone_sweeps:
             again |= _in_the_way(successive, missing, clearance)
         for i in sorted(again, reverse=sweep % 2 == 1):
             if limits.reached:

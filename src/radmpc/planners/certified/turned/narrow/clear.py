@@ -7,25 +7,11 @@ from scipy.spatial import cKDTree
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.grid import Grid
+from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 
 __all__ = ["Clear"]
-
-_POINTS = 160
-"""Points of the grid along its longest axis [-]."""
-
-_COARSE = 1.5
-"""Spacing of the grid up to which it tells corners apart [radii of the smallest]."""
-
-_AHEAD = 24
-"""Points of a way that a straight piece may replace at most [-]."""
-
-_SAMPLED = 0.5
-"""Distance of the places that a straight piece is sampled at [spacings]."""
-
-_LITTLE = 1e-3
-"""Loss of room for which a straight piece still replaces points of a way [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,8 +47,8 @@ class Clear:
         are_double = all(m.vehicle.system.is_double_integrator for m in hazards.models)
         if hazards.dimension != 2 or not are_double:
             return None
-        grid = Grid.of(hazards, _POINTS)
-        if grid.spacing > _COARSE * float(hazards.radii.min()):
+        grid = Grid.of(hazards, TUNING.grid_points)
+        if grid.spacing > TUNING.coarse * float(hazards.radii.min()):
             return None
         far = float(10.0 * hazards.radii.max() + grid.spacing)
         field, least = np.minimum(grid.distances, far), _least(grid)
@@ -106,7 +92,7 @@ class Clear:
             Their ends [m].
         """
         longest = float(np.abs(end - begin).max(initial=0.0))
-        count = max(2, int(longest / (_SAMPLED * self.grid.spacing)) + 2)
+        count = max(2, int(longest / (TUNING.sampled * self.grid.spacing)) + 2)
         shares = np.linspace(0.0, 1.0, count)[:, None]
         between = begin[..., None, :] + shares * (end - begin)[..., None, :]
         return np.asarray(self.at(between).min(axis=-1))
@@ -124,10 +110,10 @@ class Clear:
         here = self.at(way)
         kept, i = [0], 0
         while i < len(way) - 1:
-            following = np.arange(i + 1, min(len(way), i + 1 + _AHEAD))
+            following = np.arange(i + 1, min(len(way), i + 1 + TUNING.straight_points))
             before = np.minimum.accumulate(here[i : following[-1] + 1])[1:]
             straight = self.along(np.broadcast_to(way[i], (len(following), 2)), way[following])
-            is_clear = straight >= np.minimum(room, before) - _LITTLE
+            is_clear = straight >= np.minimum(room, before) - TUNING.lost_clearance
             is_clear[0] = True
             i = int(following[np.flatnonzero(is_clear)[-1]])
             kept.append(i)

@@ -9,32 +9,10 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.joint_search import joint_search
+from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
 __all__ = ["joint_ways"]
-
-_CLEAR, _APART = 1.0, 1.0
-"""Standard deviations kept from obstacles, and from each other [-]."""
-
-_FINER = 0.02
-"""Steps in which the spacing of the lattice grows while one is sought on which starts and goals
-lie [multiples of the least]."""
-
-_WIDEST = 2.5
-"""Largest spacing [multiples of the least]."""
-
-_OFF = 0.12
-"""How far starts and goals may lie from nodes to count as on them [spacings]."""
-
-_MOST_NODES = 4000
-"""Nodes beyond which nothing is tried [-]."""
-
-_DRAWS = 40
-"""Solutions that are drawn [-]: each takes 5 ms for 12 vehicles on 52 nodes, and the best of 40
-has some 20 % fewer ticks."""
-
-_VISITS = 3000
-"""Configurations that are looked at, at most [-]: 12 vehicles take 0.3 ms each."""
 
 
 def joint_ways(
@@ -63,10 +41,10 @@ def joint_ways(
     spread = float(np.sqrt(hazards.variances.max() / hazards.dimension))
     radius = float(hazards.radii.max())
     # Two that turn a corner one behind the other come as near as a diagonal of half a cell.
-    least = np.sqrt(2.0) * (2.0 * radius + _APART * np.sqrt(2.0) * spread)
+    least = np.sqrt(2.0) * (2.0 * radius + TUNING.joint_sigmas[1] * np.sqrt(2.0) * spread)
     spacing, origin = _lattice(np.vstack([starts, goals]), float(least))
-    nodes, neighbors = _graph(clear, spacing, origin, radius + _CLEAR * spread)
-    if not 0 < len(nodes) <= _MOST_NODES:
+    nodes, neighbors = _graph(clear, spacing, origin, radius + TUNING.joint_sigmas[0] * spread)
+    if not 0 < len(nodes) <= TUNING.lattice_nodes:
         return {}
     ends = []
     for places in (starts, goals):
@@ -76,8 +54,8 @@ def joint_ways(
             return {}
         ends.append(tuple(nearest.tolist()))
     found: list[tuple[int, ...]] = []
-    for _ in range(_DRAWS):
-        other = joint_search(neighbors, ends[0], ends[1], _VISITS, rng, is_stopped)
+    for _ in range(TUNING.joint_draws):
+        other = joint_search(neighbors, ends[0], ends[1], TUNING.configurations, rng, is_stopped)
         if is_stopped():
             break
         if other and (not found or len(other) < len(found)):
@@ -92,9 +70,9 @@ def joint_ways(
 def _lattice(places: Matrix, least: float) -> tuple[float, Vector]:
     """Return the least spacing, and an origin, of a lattice that places lie on, if there is one."""
     offsets = places - places[0]
-    for factor in np.arange(1.0, _WIDEST, _FINER):
+    for factor in np.arange(1.0, TUNING.lattice_widest, TUNING.lattice_growth):
         cells = offsets / (factor * least)
-        if np.abs(cells - np.rint(cells)).max() <= _OFF:
+        if np.abs(cells - np.rint(cells)).max() <= TUNING.lattice_off:
             return _refined(offsets, factor * least), places[0]
     return least, places[0]
 

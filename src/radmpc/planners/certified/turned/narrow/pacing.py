@@ -9,19 +9,10 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.track import Closeness, Track, track
+from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
 __all__ = ["Pacing"]
-
-_TRIES = 16
-"""Orders that are tried at most [-]."""
-
-_FINENESSES = (0.75, 1.25, 1.5)
-"""Places on ways for those who find no controls for their pace, in multiples of the usual number
-[-]: where corners fall between places, others may be on them."""
-
-_MENDS = 2
-"""Times that every vehicle is placed again around all others [-]."""
 
 
 class Pacing:
@@ -75,7 +66,7 @@ class Pacing:
         is_stopped : callable
             Returns True once it is time to stop.
         """
-        for fineness in _FINENESSES:
+        for fineness in TUNING.finenesses:
             self.offer({i: self._ways[i] for i in vehicles if i in self._ways}, fineness)
         return self.mend(self._placed, is_stopped, vehicles)
 
@@ -96,7 +87,11 @@ class Pacing:
         """
         tried: set[tuple[int, ...]] = set()
         following = tuple(order)
-        while len(tried) < _TRIES and following not in tried and len(self._tracks) == len(order):
+        while (
+            len(tried) < TUNING.pace_orders
+            and following not in tried
+            and len(self._tracks) == len(order)
+        ):
             tried.add(following)
             self._placed = {}
             for i in following:
@@ -127,7 +122,7 @@ class Pacing:
             Who may be placed again; None for all.
         """
         self._placed = dict(places)
-        for _ in range(_MENDS):
+        for _ in range(TUNING.mends):
             for i in sorted(self._tracks) if vehicles is None else vehicles:
                 if is_stopped():
                     return dict(self._placed)

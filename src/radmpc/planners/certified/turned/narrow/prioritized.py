@@ -13,25 +13,10 @@ import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.grid import Grid
+from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
 __all__ = ["prioritized", "prioritized_ticks"]
-
-_PACE = 0.8
-"""Share of what a vehicle covers in a step at most that it may on the grid [-]: it has to speed up
-and slow down."""
-
-_CLEAR, _APART = 1.0, 2.0
-"""Standard deviations kept from obstacles, and from vehicles placed before [-]."""
-
-_WAIT = 0.05
-"""Cost of a tick at rest, as a share of a move to the next point [-]: cheap, but not free."""
-
-_TRIES = 12
-"""Orders that are tried at most [-]."""
-
-_MOST = 4e7
-"""Points times ticks times vehicles beyond which nothing is tried [-]: 4e7 take some 5 s."""
 
 Places = dict[int, Matrix]
 """Where vehicles are at every tick, (K+1, d) each [m], by their numbers."""
@@ -74,15 +59,15 @@ def prioritized_ticks(
         Ticks per step, K/T.
     """
     grid = Grid.of(hazards)
-    ticks = max(1, int(_PACE * float(hazards.moves.min()) / grid.spacing))
-    if hazards.count * ticks * hazards.horizon * len(grid.points) > _MOST:
+    ticks = max(1, int(TUNING.grid_pace * float(hazards.moves.min()) / grid.spacing))
+    if hazards.count * ticks * hazards.horizon * len(grid.points) > TUNING.grid_work:
         return {}, ticks
     starts = np.array([model.drift_position[0] for model in hazards.models])
     goals = np.array([0.5 * (m.vehicle.goal.lower + m.vehicle.goal.upper) for m in hazards.models])
     order = np.argsort(-np.linalg.norm(goals - starts, axis=1), kind="stable").tolist()
     tried: set[tuple[int, ...]] = set()
     # An order that comes again ends as it did before: two that shut each other out, for example.
-    while len(tried) < _TRIES and tuple(order) not in tried:
+    while len(tried) < TUNING.grid_orders and tuple(order) not in tried:
         tried.add(tuple(order))
         placed: Places = {}
         for i in order:
@@ -110,7 +95,7 @@ def _place(
 ) -> Matrix | None:
     """Return the shortest way of a vehicle around what is blocked, tick by tick."""
     spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
-    is_open = grid.distances >= hazards.radii[i] + _CLEAR * spread
+    is_open = grid.distances >= hazards.radii[i] + TUNING.order_sigmas[0] * spread
     start, goal = (grid.nearest(end, is_open) for end in ends)
     if start < 0:
         return None
@@ -163,7 +148,7 @@ def _moves(
         pairs = list(zip(step, shape, strict=True))
         begin = tuple(slice(max(0, -s), n - max(0, s)) for s, n in pairs)
         end = tuple(slice(max(0, s), n - max(0, -s)) for s, n in pairs)
-        found.append((float(np.linalg.norm(step)) or _WAIT, begin, end))
+        found.append((float(np.linalg.norm(step)) or TUNING.wait_cost, begin, end))
     return found
 
 
@@ -173,7 +158,7 @@ def _blocked(hazards: Hazards, grid: Grid, i: int, placed: Places, count: int) -
     for j, path in placed.items():
         variance = hazards.variances[i].max() + hazards.variances[j].max()
         apart = hazards.radii[i] + hazards.radii[j]
-        apart += _APART * float(np.sqrt(variance / hazards.dimension))
+        apart += TUNING.order_sigmas[1] * float(np.sqrt(variance / hazards.dimension))
         # Vehicles are on points of the grid: what is too near is the same around each.
         reach = apart / grid.spacing
         size = int(reach)

@@ -10,15 +10,10 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.turned.detours import detours, ways_beside
 from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
 __all__ = ["pulled_ways", "shortest_ways"]
-
-_FREE = 6.0
-"""Standard deviations from an obstacle that are worth a corner [-]."""
-
-_BESIDE = 2.8
-"""How far ways are sought beside those on a coarser grid [radii of the largest]."""
 
 _LITTLE = 1e-6
 """Distance below which points of a way are the same [m]."""
@@ -51,7 +46,7 @@ def pulled_ways(
         Positions, tick by tick [m].
     """
     parts = {i: _parts(path) for i, path in paths.items()}
-    far = _BESIDE * float(hazards.radii.max())
+    far = TUNING.beside * float(hazards.radii.max())
     beside = ways_beside(hazards, clear.grid, parts, clearance, far)
     found = {}
     for i in paths:
@@ -81,7 +76,7 @@ def _parts(path: Matrix) -> list[Matrix]:
 def _room(hazards: Hazards, i: int) -> float:
     """Return the distance from obstacles that is worth a corner [m]."""
     spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
-    return float(hazards.radii[i]) + _FREE * spread
+    return float(hazards.radii[i]) + TUNING.corner_sigmas * spread
 
 
 def _distinct(way: Matrix) -> Matrix:

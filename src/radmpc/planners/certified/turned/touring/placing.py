@@ -29,7 +29,7 @@ _ROUNDS = 8
 _PENALTY = 30.0
 """First penalty of a meter missed, see `Tuning.first_penalty` [-]."""
 
-_HOPELESS = 40.0
+_TOO_MUCH = 40.0
 """What a path may miss to be mended as it is, before another pace is sought [mean radii]: at 15
 first plans of 50 take 5 % less time and cost 2 % more."""
 
@@ -75,9 +75,9 @@ class Placing:
         return TUNING.misses * float(self.successive.hazards.radii.mean())
 
     @property
-    def _hopeless(self) -> float:
+    def _too_much(self) -> float:
         """What a path may miss to be mended as it is [m]."""
-        return _HOPELESS * float(self.successive.hazards.radii.mean())
+        return _TOO_MUCH * float(self.successive.hazards.radii.mean())
 
     def _go_around(self, i: int, way: Matrix, among: Counts) -> None:
         """Plan a vehicle around obstacles, as if there were no others."""
@@ -90,7 +90,7 @@ class Placing:
     def _place(self, i: int, among: Counts) -> None:
         """Plan a vehicle around obstacles and those that count."""
         way, successive = _as_flown(self.successive.paths, i), self.successive
-        if successive.lack(i, self._clearance, among) > self._hopeless:
+        if successive.lack(i, self._clearance, among) > self._too_much:
             successive.missed[i] = np.inf
             self._pace(i, way, among)
             if successive.missed[i] < np.inf:

@@ -26,7 +26,7 @@ from radmpc.model.limits import within_limits
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass, field
 
-__all__ = ["Booking", "recomputed"]
+__all__ = ["Recomputation", "recomputed"]
 
 _TOLERANCE = 1e-6
 """Share [-] by which numbers may differ from those stated: other processors round otherwise."""
@@ -36,7 +36,7 @@ _LEAST = 1e-9
 
 
 @dataclass(slots=True, eq=False)
-class Booking:
+class Recomputation:
     """A mission as its rows leave it.
 
     Attributes
@@ -82,7 +82,7 @@ class Booking:
         self.entries.append(entered(step, what, self.account, price))
 
 
-def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Booking:
+def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Recomputation:
     """Return a mission as its rows leave it, and what in them is not true.
 
     Parameters
@@ -94,7 +94,7 @@ def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Booking:
 
     Returns
     -------
-    Booking
+    Recomputation
         Up to the first row that cannot be recomputed.
 
     Raises
@@ -104,51 +104,53 @@ def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Booking:
     """
     leg, account = opened(plan, 0)
     starts = tuple(expected_start(v) for v in plan.scenario.vehicles)
-    book = Booking(plan, leg, account, Sensing.of(plan.scenario), starts)
-    book.enter(0, "opened", account.tail)
+    state = Recomputation(plan, leg, account, Sensing.of(plan.scenario), starts)
+    state.enter(0, "opened", account.tail)
     for number, row in enumerate(rows):
         where = f"mission {row.mission}, step {row.step}"
         if row.step != number:
-            book.problems.append(f"{where}: stands where step {number} is due")
+            state.problems.append(f"{where}: stands where step {number} is due")
             break
         try:
-            _book(book, row, where)
+            _follow(state, row, where)
         except RadmpcError as error:
-            book.problems.append(f"{where}: {error}")
+            state.problems.append(f"{where}: {error}")
             break
-    return book
+    return state
 
 
-def _book(book: Booking, row: TickRow, where: str) -> None:
+def _follow(state: Recomputation, row: TickRow, where: str) -> None:
     """Take the next row."""
-    known, value, before = book.expected, None, book.sensing.evidence
-    book.contacts += [Contact(t.step, t.cause, t.vehicle, t.other) for t in row.contacts]
+    known, value, before = state.expected, None, state.sensing.evidence
+    state.contacts += [Contact(t.step, t.cause, t.vehicle, t.other) for t in row.contacts]
     if row.states is not None:
-        is_certain = not book.ticks or book.ticks[-1].value is not None
-        seen = row.step, book.expected, row.states, book.leg
-        known, _ = book.sensing.look(*seen, is_certain=is_certain)
-        worth = book.leg.value(row.step, known, book.sensing.evidence.scale)
-        value, book.account = worth.total, book.account.kept(worth.least)
-    wealth = book.account.wealth
-    _compare(book, where, {"value": (row.value, value), "wealth": (row.wealth, wealth)})
-    scale, stated = book.sensing.evidence.scale, row.scale
+        is_certain = not state.ticks or state.ticks[-1].value is not None
+        seen = row.step, state.expected, row.states, state.leg
+        known, _ = state.sensing.look(*seen, is_certain=is_certain)
+        worth = state.leg.value(row.step, known, state.sensing.evidence.scale)
+        value, state.account = worth.total, state.account.kept(worth.least)
+    wealth = state.account.wealth
+    _compare(state, where, {"value": (row.value, value), "wealth": (row.wealth, wealth)})
+    scale, stated = state.sensing.evidence.scale, row.scale
     if stated is not None or scale.samples is not None:
         number = None if stated is None else stated.samples
         due = None if scale.samples is None else float(scale.factor)
-        _compare(book, where, {"number of samples": (number, scale.samples)})
-        _compare(book, where, {"factor": (None if stated is None else stated.factor, due)})
+        _compare(state, where, {"number of samples": (number, scale.samples)})
+        _compare(state, where, {"factor": (None if stated is None else stated.factor, due)})
     if (row.leg is not None) != (row.choice == "candidate"):
-        book.problems.append(f"{where}: states {row.choice!r}, and a leg only where one is adopted")
+        state.problems.append(
+            f"{where}: states {row.choice!r}, and a leg only where one is adopted"
+        )
     if row.leg is None:
-        book.enter(row.step, "kept", None)
+        state.enter(row.step, "kept", None)
     else:
-        _adopt(book, row, (known, before), where)
-        known = book.leg.begun(known)
-    now = book.account
-    _compare(book, where, {"tail": (row.tail, now.tail), "bank": (row.bank, now.bank)})
-    flown = _flown(book, row, known, where)
-    way = segments(book.plan.scenario, known, flown) if flown else ()
-    book.ticks.append(_tick(row, way))
+        _adopt(state, row, (known, before), where)
+        known = state.leg.begun(known)
+    now = state.account
+    _compare(state, where, {"tail": (row.tail, now.tail), "bank": (row.bank, now.bank)})
+    flown = _flown(state, row, known, where)
+    path = segments(state.plan.scenario, known, flown) if flown else ()
+    state.ticks.append(_tick(row, path))
 
 
 def _tick(row: TickRow, way: tuple[Segment, ...]) -> Tick:
@@ -159,62 +161,66 @@ def _tick(row: TickRow, way: tuple[Segment, ...]) -> Tick:
     )  # fmt: skip
 
 
-def _adopt(book: Booking, row: TickRow, at: tuple[Sequence[Vector], Evidence], where: str) -> None:
+def _adopt(
+    state: Recomputation, row: TickRow, at: tuple[Sequence[Vector], Evidence], where: str
+) -> None:
     """Buy the leg of a row, if its price is within the wealth; evidence is that before the row."""
     if row.leg is None:
         return
     known, before = at
-    if book.contacts:
-        book.problems.append(f"{where}: a leg was adopted after something was hit")
+    if state.contacts:
+        state.problems.append(f"{where}: a leg was adopted after something was hit")
     starts, begins, is_now = [], True, True
-    vehicles = book.plan.scenario.vehicles
-    for v, start, now, hoped in zip(vehicles, row.leg.starts, known, book.expected, strict=True):
+    vehicles = state.plan.scenario.vehicles
+    for v, start, now, hoped in zip(vehicles, row.leg.starts, known, state.expected, strict=True):
         at_known = np.array_equal(start, best_of(v, now)[: start.size])
         begins, is_now = begins and at_known and start.size == now.size, is_now and at_known
         # What was planned ahead begins with what was expected.
         starts.append(starting(v, now if at_known else hoped, start))
-    learned = book.sensing.evidence.scale
+    learned = state.sensing.evidence.scale
     scale = learned if is_now else before.scale
-    rest = left_of(book.plan.scenario, row.step, starts, row.leg.risk_bound, scale)
-    rest = still_due(rest, book.leg, row.step)
+    rest = left_of(state.plan.scenario, row.step, starts, row.leg.risk_bound, scale)
+    rest = still_due(rest, state.leg, row.step)
     leg = leg_of(rest, row.leg.controls, row.step, scale)
     # Where it begins beside the measured state, the deviation is part of what it costs; and where
     # obstacles' places are not known, what was met before was paid for by the leg before.
     begins &= not leg.witnesses.parties.are_hidden.any()
     price = leg.price if begins else leg.value(row.step, leg.begun(known), learned).total
-    _compare(book, where, {"price": (row.price, price)})
+    _compare(state, where, {"price": (row.price, price)})
     try:
-        book.account = book.account.adopted(price)
+        state.account = state.account.adopted(price)
     except RiskError as error:
-        book.problems.append(f"{where}: the leg that was adopted was not affordable: {error}")
-        book.account = Account(book.account.risk_bound, price, 0.0)
-    book.leg = leg
-    book.enter(row.step, "adopted", price)
+        state.problems.append(f"{where}: the leg that was adopted was not affordable: {error}")
+        state.account = Account(state.account.risk_bound, price, 0.0)
+    state.leg = leg
+    state.enter(row.step, "adopted", price)
 
 
-def _flown(book: Booking, row: TickRow, known: Sequence[Vector], where: str) -> tuple[Vector, ...]:
+def _flown(
+    state: Recomputation, row: TickRow, known: Sequence[Vector], where: str
+) -> tuple[Vector, ...]:
     """Return what was flown until the next step; expect what comes of it."""
-    scenario = book.plan.scenario
+    scenario = state.plan.scenario
     if row.step == scenario.horizon or not row.controls:
         if bool(row.controls) or row.step < scenario.horizon:
-            book.problems.append(f"{where}: controls must end with step {scenario.horizon - 1}")
+            state.problems.append(f"{where}: controls must end with step {scenario.horizon - 1}")
         return ()
-    asked = book.leg.controls(row.step, known)
+    asked = state.leg.controls(row.step, known)
     held = [within_limits(v, u) for u, v in zip(asked, scenario.vehicles, strict=True)]
     for vehicle, due, stated in zip(scenario.vehicles, held, row.controls, strict=True):
         if float(np.abs(due - stated).max(initial=0.0)) > max(
             _LEAST, _TOLERANCE * np.abs(due).max()
         ):
-            book.problems.append(
+            state.problems.append(
                 f"{where}: vehicle {vehicle.name!r}: flew {stated.tolist()}, the leg says "
                 f"{due.tolist()}"
             )
-    book.expected = book.leg.expected(row.step, known, row.controls)
+    state.expected = state.leg.expected(row.step, known, row.controls)
     return row.controls
 
 
 def _compare(
-    book: Booking, where: str, numbers: dict[str, tuple[float | None, float | None]]
+    state: Recomputation, where: str, numbers: dict[str, tuple[float | None, float | None]]
 ) -> None:
     """Note stated numbers that are not those recomputed."""
     for name, (stated, due) in numbers.items():
@@ -222,4 +228,4 @@ def _compare(
             continue
         if stated is None or due is None or abs(stated - due) > _LEAST + _TOLERANCE * abs(due):
             told = "nothing" if due is None else f"{due:.6g}"
-            book.problems.append(f"{where}: states a {name} of {stated}, recomputed it is {told}")
+            state.problems.append(f"{where}: states a {name} of {stated}, recomputed it is {told}")

@@ -1,0 +1,98 @@
+"""The numbers that paths through narrow passages were tuned with, in one record."""
+
+from __future__ import annotations
+
+from radmpc.records import dataclass
+
+__all__ = ["TUNING", "Tuning"]
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """How fine grids are, what clearance paths on them have, and how much is tried.
+
+    A value that was measured names the scenes; of the others no measurement is recorded.
+
+    Attributes
+    ----------
+    alone_sweeps : int
+        Sweeps before vehicles in the way of others are planned again, too [-].
+    grid_points : int
+        Points of the grid along its longest axis [-].
+    coarse : float
+        Spacing of the grid up to which it tells corners apart [radii of the smallest].
+    straight_points : int
+        Points of a path that a straight piece may replace at most [-].
+    sampled : float
+        Distance of the places that a straight piece is sampled at [spacings].
+    lost_clearance : float
+        Loss of clearance for which a straight piece still replaces points of a path [m].
+    corner_sigmas : float
+        Standard deviations from an obstacle that are worth a corner [-].
+    beside : float
+        How far paths are sought beside those on a coarser grid [radii of the largest].
+    pace_orders : int
+        Orders in which vehicles are paced, at most [-].
+    finenesses : tuple of float
+        Places on the paths of those that find no controls for their pace, in multiples of the
+        usual number [-]: where corners fall between places, others may be on them.
+    mends : int
+        Times that every vehicle is placed again around all others [-].
+    grid_pace : float
+        Share of what a vehicle covers in a step at most that it may on the grid [-]: it has to
+        speed up and slow down.
+    order_sigmas : tuple of float
+        Standard deviations kept from obstacles, and from vehicles placed before, where vehicles
+        are planned in an order [-].
+    wait_cost : float
+        Cost of a tick at rest, as a share of a move to the next point [-]: cheap, but not free.
+    grid_orders : int
+        Orders that are tried on the grid, at most [-].
+    grid_work : float
+        Points times ticks times vehicles beyond which nothing is tried [-]: 4e7 take some 5 s.
+    joint_sigmas : tuple of float
+        Standard deviations kept from obstacles, and from each other, where vehicles move
+        together [-].
+    lattice_growth : float
+        Steps in which the spacing of the lattice grows while one is sought on which starts and
+        goals lie [multiples of the least].
+    lattice_widest : float
+        Largest spacing of the lattice [multiples of the least].
+    lattice_off : float
+        How far starts and goals may lie from nodes to count as on them [spacings].
+    lattice_nodes : int
+        Nodes beyond which nothing is tried [-].
+    joint_draws : int
+        Solutions that are drawn [-]: each takes 5 ms for 12 vehicles on 52 nodes, and the best of
+        40 has some 20 % fewer ticks.
+    configurations : int
+        Configurations that are looked at, at most [-]: 12 vehicles take 0.3 ms each.
+    """
+
+    alone_sweeps: int = 2
+    grid_points: int = 160
+    coarse: float = 1.5
+    straight_points: int = 24
+    sampled: float = 0.5
+    lost_clearance: float = 1e-3
+    corner_sigmas: float = 6.0
+    beside: float = 2.8
+    pace_orders: int = 16
+    finenesses: tuple[float, ...] = (0.75, 1.25, 1.5)
+    mends: int = 2
+    grid_pace: float = 0.8
+    order_sigmas: tuple[float, float] = (1.0, 2.0)
+    wait_cost: float = 0.05
+    grid_orders: int = 12
+    grid_work: float = 4e7
+    joint_sigmas: tuple[float, float] = (1.0, 1.0)
+    lattice_growth: float = 0.02
+    lattice_widest: float = 2.5
+    lattice_off: float = 0.12
+    lattice_nodes: int = 4000
+    joint_draws: int = 40
+    configurations: int = 3000
+
+
+TUNING = Tuning()
+"""The values in use."""
