@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from radmpc.flying.recording.recomputing import recomputed
 
 import radmpc
 from radmpc.flying.leg import leg_of
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
+from radmpc.flying.recording.recomputing import recomputed
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.recording.summary import summary_of
 from radmpc.flying.remainder import left_of

@@ -13,14 +13,61 @@ from scipy.spatial import cKDTree
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.turned.grid import FREE, Grid
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass
 
-__all__ = ["detours", "ways_beside"]
+__all__ = ["NARROW", "Toll", "detours", "ways_beside"]
 
 _ROOMS = (1.0, 0.7, 0.4, 0.0)
 """Shares of the clearance that ways are sought with, one after the other [-]."""
 
-_NARROW = 4.0
+NARROW = 4.0
 """Factor on the length of a way that touches an obstacle; 1 where the way is free [-]."""
+
+_BESIDE = 2.0
+"""Factor on lengths near a way beside which another one is sought [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Toll:
+    """What makes parts of a way count as longer.
+
+    Attributes
+    ----------
+    narrow : float
+        Factor where it touches an obstacle; 1 where it is free [-].
+    beside : tuple of (p, d) array
+        Corners of ways that are to be avoided where others are not much longer [m].
+    """
+
+    narrow: float = NARROW
+    beside: tuple[Matrix, ...] = ()
+
+    def factors(self, grid: Grid, radius: float, spread: float) -> Vector:
+        """Return the factors at the points of a grid, inf where a vehicle does not fit, (p,) [-].
+
+        Parameters
+        ----------
+        grid : Grid
+            The points.
+        radius : float
+            Of the vehicle and what it keeps around it [m].
+        spread : float
+            Its standard deviation [m].
+        """
+        room = np.clip((grid.distances - radius) / max(FREE * spread, grid.spacing), 0.0, 1.0)
+        found = self.narrow - (self.narrow - 1.0) * room
+        if self.beside:
+            points = np.vstack([_points_on(way, grid.spacing) for way in self.beside])
+            away, _ = cKDTree(points).query(grid.points)
+            found = found * np.where(away < radius, _BESIDE, 1.0)
+        return np.where(grid.distances < radius, np.inf, found)
+
+
+def _points_on(way: Matrix, spacing: float) -> Matrix:
+    """Return points on a way, at most a spacing apart, (p, d) [m]."""
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
+    along = np.arange(0.0, lengths[-1] + spacing, spacing)
+    return np.stack([np.interp(along, lengths, axis) for axis in way.T], axis=1)
 
 
 def detours(
@@ -28,6 +75,7 @@ def detours(
     vehicles: Sequence[int] | Indices,
     clearance: float = 0.0,
     grid: Grid | None = None,
+    toll: Toll | None = None,
 ) -> dict[int, Matrix]:
     """Return the shortest ways of vehicles around standing obstacles.
 
@@ -39,9 +87,10 @@ def detours(
         Whose ways are asked for.
     clearance : float
         Standard deviations that ways keep from obstacles where there are such ways [-].
-
     grid : Grid or None
         The points that ways lead over; None for the usual ones.
+    toll : Toll or None
+        What makes parts of them count as longer; None is the usual one.
 
     Returns
     -------
@@ -60,7 +109,7 @@ def detours(
         for room in clearance * spread * np.array(_ROOMS):
             key = (round(float(hazards.radii[i] + room), 9), round(spread, 9))
             if key not in graphs:
-                graphs[key] = _graph(grid, *key)
+                graphs[key] = _graph(grid, (toll or Toll()).factors(grid, *key))
             legs = [_way(grid, graphs[key], here, there) for here, there in pairwise(stops)]
             ways = [leg for leg in legs if leg is not None]
             if len(ways) == len(legs):
@@ -112,7 +161,7 @@ def ways_beside(
             for room in rooms:
                 key = (round(float(room), 9), round(spread, 9))
                 if key not in graphs:
-                    graphs[key] = _graph(grid, *key)
+                    graphs[key] = _graph(grid, Toll().factors(grid, *key))
                 path = _path(graphs[key][beside][:, beside], *ends)
                 if path:
                     found[i].append(np.vstack([piece[:1], grid.points[beside[path]], piece[-1:]]))
@@ -135,10 +184,8 @@ def _path(graph: csr_array, first: int, last: int) -> list[int]:
     return path
 
 
-def _graph(grid: Grid, radius: float, spread: float) -> csr_array:
-    """Return the lengths between neighboring points where a vehicle fits, longer where narrow."""
-    room = np.clip((grid.distances - radius) / max(FREE * spread, grid.spacing), 0.0, 1.0)
-    weights = np.where(grid.distances < radius, np.inf, _NARROW - (_NARROW - 1.0) * room)
+def _graph(grid: Grid, weights: Vector) -> csr_array:
+    """Return the lengths between neighboring points where a vehicle fits, times their factors."""
     numbers = np.arange(len(grid.points)).reshape(grid.shape)
     steps = [np.array(s) - 1 for s in np.ndindex(*(3,) * len(grid.shape))]
     rows, columns, lengths = [], [], []

@@ -80,9 +80,9 @@ def first_plan(
     price *= TUNING.first_dear * alone.paths.cost() / task.risk_bound
     ways: dict[int, Matrix] = {}
     if stopped.size:
-        from radmpc.planners.certified.turned.detours import detours  # noqa: PLC0415 - loads graphs
+        from radmpc.planners.certified.turned.narrow.cheapest import cheapest_ways  # noqa: PLC0415 - loads graphs
 
-        ways = detours(hazards, stopped, clearance)
+        ways = cheapest_ways(hazards, alone.paths, stopped, clearance, task.limits)
     time_share = TUNING.easy_share if is_easy and not is_needed else TUNING.first_time_share
     seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
     # Where few meet, the relaxation tells the sides soon.

@@ -110,6 +110,9 @@ class Tuning:
     few : int
         Vehicles of a fleet up to which one that an obstacle stops calls for the same [-]: in larger
         ones, where few meet, searching them one by one is as quick.
+    weighed : int
+        Vehicles that obstacles stop up to which several ways around these are compared [-]: 20 to
+        40 ms each among a hundred boxes.
     compared : float
         Clearance up to which windows count as near at a price of risk [standard deviations].
     idle : float
@@ -223,6 +226,7 @@ class Tuning:
     many: int = 5
     crowd: float = 0.125
     few: int = 24
+    weighed: int = 12
     compared: float = 6.5
     idle: float = 0.01
     same_side: float = 0.3
