@@ -221,11 +221,9 @@ def _first(
         from radmpc.planners.certified.turned.visiting import at_good_visits  # noqa: PLC0415 - few have any
 
         visits = at_good_visits(hazards)
-        hazards = visits.hazards
     task = Task(hazards, run.judge, limits, gap, scenario.risk_bound, partial(_tell_first, run))
-    return first_plan(
-        task, SEARCH_TUNING.budgets.risk_to_cost, run.rng, visits, is_needed=is_needed
-    )
+    price = SEARCH_TUNING.budgets.risk_to_cost
+    return first_plan(task, price, run.rng, visits, is_needed=is_needed)
 
 
 def _fleet(

@@ -48,7 +48,7 @@ def first_plan(
     rng : Generator
         Draws the times.
     visits : GoodVisits or None
-        At which steps the fleet makes visits; None where no step is to be chosen.
+        At which steps the fleet makes visits to begin with; None where no step is to be chosen.
     is_needed : bool
         Whether a plan is asked for even where searching sets is as quick.
 
@@ -57,7 +57,8 @@ def first_plan(
     FleetIncumbent
         A certified plan; none where none was found.
     """
-    hazards, task = task.hazards, _told_once(task)
+    hazards = task.hazards if visits is None else visits.hazards
+    task = replace(_told_once(task), hazards=hazards)
     alone = SuccessiveLp(hazards, task.limits)
     if visits is not None and visits.alone is not None:
         alone.begin(visits.alone)
