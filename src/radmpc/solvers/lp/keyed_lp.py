@@ -92,7 +92,13 @@ class KeyedLp(ExchangeLp):
         self._basis, self._ended = (columns, rows), (frozenset(), frozenset())
 
     def add_columns(self, cost: Vector, lower: Vector, upper: Vector) -> int:
-        """Append columns that stay; see `ExchangeLp.add_columns`."""
+        """Append columns that stay; return the number of the first.
+
+        Parameters
+        ----------
+        cost, lower, upper : (n,) array
+            Costs and bounds, ±inf where there is none.
+        """
         first = super().add_columns(cost, lower, upper)
         self._uppers = np.append(self._uppers[:first], upper)
         return first
