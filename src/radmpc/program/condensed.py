@@ -57,10 +57,10 @@ class PredictionMatrices:
         for k in range(horizon):
             powers[k + 1] = system.A @ powers[k]
         impulses = powers @ system.B
-        states = np.zeros((horizon + 1, n, horizon * m))
-        for k in range(1, horizon + 1):
-            for j in range(k):
-                states[k, :, j * m : (j + 1) * m] = impulses[k - 1 - j]
+        # What was done at step j acts at step k as at step k - j what is done at first.
+        lags = np.arange(horizon + 1)[:, None] - 1 - np.arange(horizon)
+        blocks = np.where((lags >= 0)[:, :, None, None], impulses[np.maximum(lags, 0)], 0.0)
+        states = blocks.transpose(0, 2, 1, 3).reshape(horizon + 1, n, horizon * m)
         velocity = None if system.velocity is None else states[:, list(system.velocity), :]
         return cls(powers, states, states[:, list(system.position), :], velocity)
 

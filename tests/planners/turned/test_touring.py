@@ -73,15 +73,15 @@ def test_places_cost_something_near_others_and_only_when_these_count() -> None:
     hazards, found = laid_out(scene(VISIT, horizon=8, others=(other,)))
     paths = Paths(hazards)
     counts = np.zeros((2, 8), dtype=bool)
-    assert not crowding(found.laid_out, hazards, paths, counts, 3.0)[0].size
+    assert not crowding(found.laid_out, hazards, paths, counts, 3.0).any()
     counts[1, 5] = True
-    steps, places, lack = crowding(found.laid_out, hazards, paths, counts, 3.0)
-    assert set(steps.tolist()) == {5}
-    apart = np.linalg.norm(found.laid_out.places[places] - [4.0, 3.0], axis=1)
+    lack = crowding(found.laid_out, hazards, paths, counts, 3.0)
+    assert np.flatnonzero(lack.any(axis=(1, 2))).tolist() == [5]
+    apart = np.linalg.norm(found.laid_out.places - [4.0, 3.0], axis=1)
     touching = hazards.radii.sum()
-    assert np.all(lack[apart < touching].min(axis=1) > 0.0)
+    assert np.all(lack[5][:, apart < touching] > 0.0)
     longest = found.laid_out.num_moves * np.linalg.norm(np.diff(found.laid_out.places[:2], axis=0))
-    assert not lack[apart > touching + 3.0 + longest].any()
+    assert not lack[5][:, apart > touching + 3.0 + longest].any()
 
 
 def test_a_way_is_timed_by_the_steps_of_its_visits() -> None:
@@ -97,7 +97,7 @@ def test_vehicles_that_would_meet_at_a_visit_make_it_at_different_times() -> Non
     other = vehicle("b", [9.0, 0.0], [0.0, 0.0], VISIT)
     given = scene(VISIT, horizon=10, others=(other,))
     to_choose = condensed_models(given)
-    hazards = at_good_visits(Hazards.of(given, to_choose))
+    hazards = at_good_visits(Hazards.of(given, to_choose)).hazards
     alone = SuccessiveLp(hazards, Limits())
     assert alone.begin_alone()
     touring = Touring(hazards, to_choose, Limits(), 3.0)
@@ -221,7 +221,8 @@ def test_a_path_is_warped_to_make_its_visits_at_other_steps() -> None:
 def toured(*fleet: Vehicle, obstacles: tuple[Obstacle, ...] = (), horizon: int = 10) -> Touring:
     given = Scenario("tour", 1.0, horizon, 0.01, fleet, obstacles)
     to_choose = condensed_models(given)
-    return Touring(at_good_visits(Hazards.of(given, to_choose)), to_choose, Limits(), 3.0)
+    hazards = at_good_visits(Hazards.of(given, to_choose)).hazards
+    return Touring(hazards, to_choose, Limits(), 3.0)
 
 
 def test_who_goes_back_does_what_it_did() -> None:

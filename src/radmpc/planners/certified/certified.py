@@ -215,15 +215,15 @@ def _first(
     scenario: Scenario, gap: float, run: Run, limits: Limits, hazards: Hazards, *, is_needed: bool
 ) -> FleetIncumbent:
     """Make a plan before the search, if that is quick or needed."""
-    begun, to_choose = hazards, None
+    visits = None
     if scenario.has_windows:
         # The first plan makes its visits at good steps; the search chooses among all.
         from radmpc.planners.certified.turned.visiting import at_good_visits  # noqa: PLC0415 - few have any
 
-        begun, to_choose = at_good_visits(hazards), hazards.models
-    task = Task(begun, run.judge, limits, gap, scenario.risk_bound, partial(_tell_first, run))
+        visits = at_good_visits(hazards)
+    task = Task(hazards, run.judge, limits, gap, scenario.risk_bound, partial(_tell_first, run))
     price = SEARCH_TUNING.budgets.risk_to_cost
-    return first_plan(task, price, run.rng, to_choose, is_needed=is_needed)
+    return first_plan(task, price, run.rng, visits, is_needed=is_needed)
 
 
 def _fleet(

@@ -4,11 +4,41 @@ from __future__ import annotations
 
 import highspy
 import numpy as np
+import numpy.typing as npt
 
-from radmpc.arrays import Vector
+from radmpc.arrays import Indices, Vector
 from radmpc.errors import SolverError
 
-__all__ = ["FEASIBILITY_TOL", "array_of", "checked", "optimum", "quiet_highs"]
+__all__ = [
+    "BASIC",
+    "FEASIBILITY_TOL",
+    "FREE",
+    "LOWER",
+    "UPPER",
+    "Flags",
+    "array_of",
+    "basic_of",
+    "begin_with",
+    "checked",
+    "optimum",
+    "quiet_highs",
+]
+
+Flags = npt.NDArray[np.bool_]
+"""One for each column or row."""
+
+LOWER, BASIC, UPPER, FREE = range(4)
+"""Where a column or a row is: at a bound, basic, or at 0 without any bound."""
+
+_STATUS = np.array(
+    [
+        highspy.HighsBasisStatus.kLower,
+        highspy.HighsBasisStatus.kBasic,
+        highspy.HighsBasisStatus.kUpper,
+        highspy.HighsBasisStatus.kZero,
+    ],
+    dtype=object,
+)
 
 FEASIBILITY_TOL = 1e-9
 """Primal and dual feasibility tolerance of linear programs [m, m/s, cost]: the least that HiGHS
@@ -67,3 +97,40 @@ def checked(status: highspy.HighsStatus) -> None:
     """
     if status == highspy.HighsStatus.kError:
         raise SolverError("HiGHS refused a row, a column or a bound")
+
+
+def basic_of(highs: highspy.Highs, num_columns: int, num_rows: int) -> tuple[Flags, Flags]:
+    """Return which columns and which rows are basic where the last solve ended.
+
+    Parameters
+    ----------
+    highs : Highs
+        Solved.
+    num_columns, num_rows : int
+        Of the program.
+    """
+    _, numbers = highs.getBasicVariables()
+    columns, rows = np.zeros(num_columns, dtype=bool), np.zeros(num_rows, dtype=bool)
+    columns[numbers[numbers >= 0]] = True
+    # Rows are numbered downward from -1.
+    rows[-1 - numbers[numbers < 0]] = True
+    return columns, rows
+
+
+def begin_with(highs: highspy.Highs, columns: Indices, rows: Indices) -> None:
+    """Have the next solve begin with a basis, mended by HiGHS where it is none.
+
+    Parameters
+    ----------
+    highs : Highs
+        Loaded.
+    columns, rows : int array
+        Where each is: `LOWER`, `BASIC`, `UPPER` or `FREE`.
+    """
+    basis = highspy.HighsBasis()
+    basis.col_status, basis.row_status = _STATUS[columns].tolist(), _STATUS[rows].tolist()
+    basis.valid = True
+    # HiGHS looks into it, and factors, where it may be none: with as many basic as there are rows
+    # that is left to the solve.
+    basis.alien = np.count_nonzero(columns == BASIC) + np.count_nonzero(rows == BASIC) != rows.size
+    highs.setBasis(basis)

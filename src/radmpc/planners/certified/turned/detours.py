@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
@@ -22,6 +21,10 @@ _ROOMS = (1.0, 0.7, 0.4, 0.0)
 
 NARROW = 4.0
 """Factor on the length of a way that touches an obstacle; 1 where the way is free [-]."""
+
+_LIKELY = 1.3
+"""Length of a way that is sought first, in multiples of the straight one [-]: most are shorter, and
+what is farther off is not looked at for them."""
 
 _BESIDE = 2.0
 """Factor on lengths near a way beside which another one is sought [-]."""
@@ -98,7 +101,7 @@ def detours(
         Corners of the ways from start to goal [m], of those for which there is one.
     """
     grid = Grid.of(hazards) if grid is None else grid
-    graphs: dict[tuple[float, float], csr_array] = {}
+    graphs: dict[tuple[float, float], tuple[csr_array, np.ndarray]] = {}
     found = {}
     for i in np.asarray(vehicles).tolist():
         model = hazards.models[i]
@@ -109,8 +112,15 @@ def detours(
         for room in clearance * spread * np.array(_ROOMS):
             key = (round(float(hazards.radii[i] + room), 9), round(spread, 9))
             if key not in graphs:
-                graphs[key] = _graph(grid, (toll or Toll()).factors(grid, *key))
-            legs = [_way(grid, graphs[key], here, there) for here, there in pairwise(stops)]
+                graph = _graph(grid, (toll or Toll()).factors(grid, *key))
+                is_open = np.zeros(len(grid.points), dtype=bool)
+                is_open[np.concatenate(graph.nonzero())] = True
+                graphs[key] = graph, is_open
+            numbers = [grid.nearest(place, graphs[key][1]) for place in stops]
+            legs = [
+                _way(grid, graphs[key][0], (stops[k], stops[k + 1]), (numbers[k], numbers[k + 1]))
+                for k in range(len(stops) - 1)
+            ]
             ways = [leg for leg in legs if leg is not None]
             if len(ways) == len(legs):
                 found[i] = np.vstack(ways)
@@ -171,11 +181,21 @@ def ways_beside(
     return found
 
 
-def _path(graph: csr_array, first: int, last: int) -> list[int]:
-    """Return the points on the shortest way through a graph; none where there is no way."""
-    lengths, before = dijkstra(
-        graph, directed=False, indices=np.array([last]), return_predecessors=True
-    )
+def _path(graph: csr_array, first: int, last: int, likely: float = np.inf) -> list[int]:
+    """Return the points on the shortest way through a graph; none where there is no way.
+
+    Whether any is as short as is likely is asked first [m].
+    """
+    for limit in (likely, np.inf) if likely < np.inf else (np.inf,):
+        lengths, before = dijkstra(
+            graph,
+            directed=False,
+            indices=np.array([last]),
+            return_predecessors=True,
+            limit=limit,
+        )
+        if np.isfinite(lengths[0, first]):
+            break
     if not np.isfinite(lengths[0, first]):
         return []
     path = [first]
@@ -205,13 +225,25 @@ def _graph(grid: Grid, weights: Vector) -> csr_array:
     return csr_array(coo_array(entries, shape=(count, count)))
 
 
-def _way(grid: Grid, graph: csr_array, start: Vector, goal: Vector) -> Matrix | None:
-    """Return the corners of the shortest way between two places; None where there is none."""
-    is_open = np.zeros(len(grid.points), dtype=bool)
-    one, two = graph.nonzero()
-    is_open[one] = is_open[two] = True
-    first, last = (grid.nearest(place, is_open) for place in (start, goal))
-    if first < 0:
+def _way(
+    grid: Grid, graph: csr_array, places: tuple[Vector, Vector], numbers: tuple[int, int]
+) -> Matrix | None:
+    """Return the corners of the shortest way between two places; None where there is none.
+
+    Parameters
+    ----------
+    grid : Grid
+        The points.
+    graph : csr_array
+        The lengths between them.
+    places : tuple of (d,) array
+        The two [m].
+    numbers : tuple of int
+        The open points next to them; -1 where none is open.
+    """
+    if numbers[0] < 0:
         return None
-    path = _path(graph, first, last)
+    (start, goal), (first, last) = places, numbers
+    straight = float(np.linalg.norm(grid.points[first] - grid.points[last]))
+    path = _path(graph, first, last, _LIKELY * straight + grid.spacing)
     return np.vstack([start, grid.points[path], goal]) if path else None

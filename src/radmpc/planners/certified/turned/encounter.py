@@ -50,13 +50,24 @@ class Encounter:
 
     def clearances(self, normals: Tensor) -> Vector:
         """Return the least clearance of both ends along normals, at the best share, (w, c)."""
-        return self._rated(normals)[0]
+        return self._rated(normals, self.supports(normals), self.deviations(normals))[0]
 
-    def shares(self, normals: Tensor) -> Vector:
-        """Return the share of the near end that is best along normals, (w, c)."""
-        if len(self.ends) == 1:
-            return np.full(normals.shape[:2], 0.5)
-        return self._rated(normals)[1]
+    def along(self, normals: Matrix) -> tuple[Matrix, Matrix, Vector]:
+        """Return what there is along one normal each, (w, d).
+
+        Returns
+        -------
+        (w, 2) array, (w, 2) array, (w,) array
+            How far what is avoided extends, and the largest standard deviations, at both ends of
+            each window [m]; the share of the near end that is best [-].
+        """
+        tried = normals[:, None]
+        reaches, deviations = self.supports(tried), self.deviations(tried)
+        shares = np.full(len(normals), 0.5)
+        if len(self.ends) == 2:
+            shares = self._rated(tried, reaches, deviations)[1][:, 0]
+        both = np.concatenate([deviations[0], deviations[-1]], axis=1)
+        return np.concatenate(reaches, axis=1), both, shares
 
     def deviations(self, normals: Tensor) -> list[Vector]:
         """Return the largest standard deviation along normals at each end, (w, c) each [m]."""
@@ -66,14 +77,16 @@ class Encounter:
             found.append(np.sqrt(np.maximum(np.maximum.reduce(variances), 0.0)))
         return found
 
-    def _rated(self, normals: Tensor) -> tuple[Vector, Vector]:
+    def _rated(
+        self, normals: Tensor, supports: tuple[Vector, ...], along: Sequence[Vector]
+    ) -> tuple[Vector, Vector]:
         """Return least clearances along normals, and the shares that make them largest."""
-        reaches = self.supports(normals)[-len(self.ends) :]
+        reaches = supports[-len(self.ends) :]
         margins = [
             np.einsum("wcd,wd->wc", normals, end) - reach
             for end, reach in zip(self.ends, reaches, strict=True)
         ]
-        deviations = [np.maximum(d, _LEAST_DEVIATION) for d in self.deviations(normals)]
+        deviations = [np.maximum(d, _LEAST_DEVIATION) for d in along]
         if len(self.ends) == 1:
             alone: Vector = margins[0] / deviations[0]
             return alone, np.full(alone.shape, 0.5)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,8 +17,10 @@ from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.components import components
-from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
+
+if TYPE_CHECKING:
+    from radmpc.planners.certified.turned.visiting import GoodVisits
 
 __all__ = ["first_plan"]
 
@@ -26,7 +29,7 @@ def first_plan(
     task: Task,
     price: float,
     rng: np.random.Generator,
-    to_choose: tuple[CondensedModel, ...] | None = None,
+    visits: GoodVisits | None = None,
     *,
     is_needed: bool = False,
 ) -> FleetIncumbent:
@@ -44,8 +47,8 @@ def first_plan(
         First guess of what Δ is worth, as a share of what plans cost without hazards [-].
     rng : Generator
         Draws the times.
-    to_choose : tuple of CondensedModel or None
-        The vehicles with visits at any step of their windows; None where no step is to be chosen.
+    visits : GoodVisits or None
+        At which steps the fleet makes visits to begin with; None where no step is to be chosen.
     is_needed : bool
         Whether a plan is asked for even where searching sets is as quick.
 
@@ -54,9 +57,12 @@ def first_plan(
     FleetIncumbent
         A certified plan; none where none was found.
     """
-    hazards, task = task.hazards, _told_once(task)
+    hazards = task.hazards if visits is None else visits.hazards
+    task = replace(_told_once(task), hazards=hazards)
     alone = SuccessiveLp(hazards, task.limits)
-    if not alone.begin_alone():
+    if visits is not None and visits.alone is not None:
+        alone.begin(visits.alone)
+    elif not alone.begin_alone():
         return FleetIncumbent()
     share = TUNING.first_share * task.risk_bound / hazards.count
     clearance = float(hazards.tail.clearance_for(min(share, CONVEX_RISK)))
@@ -87,6 +93,7 @@ def first_plan(
     seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
     # Where few meet, the relaxation tells the sides soon.
     is_any = is_easy and is_needed
+    to_choose = None if visits is None else visits.to_choose
     begin = Begin(task, alone.paths, ways, sets, price, clearance, to_choose, is_any)
     return tried(begin, rng, task.limits.within(seconds))
 

@@ -16,6 +16,9 @@ _POINTS = {2: 80, 3: 26}
 _BORDER = 3.0
 """Width of the border around starts, goals and obstacles [radii]."""
 
+_BESIDE = 3
+"""Points on each side among which the nearest one is looked for first [-]."""
+
 FREE = 3.0
 """Standard deviations from an obstacle from which on a way counts as free [-]."""
 
@@ -97,10 +100,18 @@ class Grid:
         open_points : (p,) bool array
             Which points may be taken.
         """
-        numbers = np.flatnonzero(open_points)
-        if numbers.size == 0:
-            return -1
-        return int(numbers[np.linalg.norm(self.points[numbers] - place, axis=1).argmin()])
+        at = np.floor((place - self.points[0]) / self.spacing).astype(np.int64)
+        beside = tuple(slice(max(k - _BESIDE, 0), max(k + _BESIDE + 2, 0)) for k in at.tolist())
+        every = np.arange(len(self.points))
+        for numbers, reach in (
+            (every.reshape(self.shape)[beside].ravel(), _BESIDE * self.spacing),
+            (every, np.inf),
+        ):
+            is_open = numbers[open_points[numbers]]
+            away = np.linalg.norm(self.points[is_open] - place, axis=1)
+            if is_open.size and float(away.min()) < reach:
+                return int(is_open[away.argmin()])
+        return -1
 
 
 def _from_corners(points: Tensor, corners: Matrix) -> Tensor:

@@ -75,7 +75,7 @@ class HalfSpaces:
 
     def of(self, chosen: npt.NDArray[np.bool_]) -> HalfSpaces:
         """Return some of them, (w,) bool array."""
-        return HalfSpaces(*(getattr(self, name)[chosen] for name in field_names(HalfSpaces)))
+        return HalfSpaces(*(getattr(self, name)[chosen] for name in _NAMES))
 
     @property
     def clearances(self) -> Matrix:
@@ -84,8 +84,16 @@ class HalfSpaces:
         return room / np.maximum(self.deviations, _TINY)
 
 
+_NAMES = field_names(HalfSpaces)
+
+
 def half_spaces(
-    hazards: Hazards, paths: Paths, group: Sequence[int], near: Near, ahead: Paths | None = None
+    hazards: Hazards,
+    paths: Paths,
+    group: Sequence[int],
+    near: Near,
+    ahead: Paths | None = None,
+    counts: npt.NDArray[np.bool_] | None = None,
 ) -> HalfSpaces:
     """Turn half-spaces to the paths of a group, at all windows where something is near.
 
@@ -101,35 +109,48 @@ def half_spaces(
         What counts as near.
     ahead : Paths or None
         Where paths are expected to move, which directions are turned to; None is the latest paths.
+    counts : (N+1, T) bool array or None
+        Who counts in which windows; last, whether obstacles and borders do. None is all.
     """
     ahead = paths if ahead is None else ahead
     both, members = (paths, ahead), np.asarray(group)
-    found = [_between(hazards, both, near_vehicles(hazards, paths, members, near), near)]
+    pairs = near_vehicles(hazards, paths, members, near)
+    found = [_between(hazards, both, pairs, near, counts)]
     if hazards.shapes.count:
         found.append(_around(hazards, both, members, near))
     if hazards.workspace is not None:
         found.append(_inside(hazards, paths, members, near))
     if hazards.ranges:
         found.append(_within(hazards, paths, members, near))
-    if len(found) == 1:
-        return found[0]
-    names = field_names(HalfSpaces)
-    return HalfSpaces(*(np.concatenate([getattr(part, name) for part in found]) for name in names))
+    if len(found) > 1:
+        parts = zip(*([getattr(part, name) for name in _NAMES] for part in found), strict=True)
+        found = [HalfSpaces(*(np.concatenate(each) for each in parts))]
+    return found[0] if counts is None else found[0].of(counts[found[0].second, found[0].windows])
 
 
 def _between(
-    hazards: Hazards, both: tuple[Paths, Paths], pairs: tuple[Indices, Indices], near: Near
+    hazards: Hazards,
+    both: tuple[Paths, Paths],
+    pairs: tuple[Indices, Indices],
+    near: Near,
+    counts: npt.NDArray[np.bool_] | None,
 ) -> HalfSpaces:
     """Return half-spaces between pairs of vehicles, along the line of closest approach."""
     paths = both[0]
     one, two = pairs
+    if counts is not None:
+        is_asked = counts[two].any(axis=1)
+        one, two = one[is_asked], two[is_asked]
     relative = paths.means[one] - paths.means[two]
     closest = closest_approach(relative) if hazards.intervals else relative[:, 1:]
     apart = np.sqrt(np.einsum("ptd,ptd->pt", closest, closest))
     radii = hazards.radii[one] + hazards.radii[two]
     spread = np.sqrt(hazards.variances[one] + hazards.variances[two])
     limit = radii[:, None] + near.clearance * spread + near.reach
-    number, window = np.nonzero(apart < limit)
+    is_near = apart < limit
+    if counts is not None:
+        is_near &= counts[two]
+    number, window = np.nonzero(is_near)
     meeting = one[number], two[number], window
     normals = meeting_normals(hazards, both, meeting, radii[number], is_refined=near.is_refined)
     keys = (meeting[0] * hazards.count + meeting[1]) * hazards.horizon + window
@@ -178,15 +199,15 @@ def _around(
         )
 
     chord = begin[place, window], path[place, window + 1]
-    tried = from_shape(shapes.faces[piece, window], corners, chord)
+    tried, met = from_shape(shapes.faces[piece, window], corners, chord), encounter(paths)
     if near.is_refined and piece.size:
-        normals = refined((encounter(paths), encounter(ahead)), tried)
+        normals = refined((met, encounter(ahead)), tried)
     else:
-        scores = np.where(tried.any(axis=2), encounter(paths).clearances(tried), -np.inf)
+        scores = np.where(tried.any(axis=2), met.clearances(tried), -np.inf)
         normals = tried[np.arange(piece.size), scores.argmax(axis=1)]
     base = hazards.count**2 * hazards.horizon
     keys = base + (first * shapes.count + piece) * hazards.horizon + window
-    return _laid_out(encounter(paths), normals, (first, np.full(piece.size, -1), window), keys)
+    return _laid_out(met, normals, (first, np.full(piece.size, -1), window), keys)
 
 
 def _squared_limits(
@@ -267,10 +288,7 @@ def _laid_out(
     is_start_given: npt.NDArray[np.bool_] | None = None,
 ) -> HalfSpaces:
     """Return the half-spaces of an encounter along given normals; no share where starts are."""
-    tried = normals[:, None]
-    offsets = np.stack([reach[:, 0] for reach in encounter.supports(tried)], axis=1)
-    deviations = [deviation[:, 0] for deviation in encounter.deviations(tried)]
-    shares = encounter.shares(tried)[:, 0]
+    offsets, deviations, shares = encounter.along(normals)
     if is_start_given is not None:
         shares[is_start_given] = 0.0
     heights = [np.einsum("wd,wd->w", normals, end) for end in encounter.ends]
@@ -278,13 +296,5 @@ def _laid_out(
         reserve = 4.0 * np.maximum(np.einsum("wd,wd->w", normals, encounter.sagittas), 0.0)
         heights[0] = heights[0] - np.square(shares) * reserve
         heights[1] = heights[1] - np.square(1.0 - shares) * reserve
-    both = (0, -1)
-    return HalfSpaces(
-        *who,
-        normals,
-        offsets,
-        np.stack([deviations[end] for end in both], axis=1),
-        shares,
-        np.stack([heights[end] for end in both], axis=1),
-        keys,
-    )
+    both = np.stack([heights[0], heights[-1]], axis=1)
+    return HalfSpaces(*who, normals, offsets, deviations, shares, both, keys)

@@ -47,7 +47,9 @@ def near_vehicles(
         one, two = np.where(is_swapped, two, one), np.where(is_swapped, one, two)
         kept = is_member[one]
         return one[kept], two[kept]
-    low, high = paths.means.min(axis=1), paths.means.max(axis=1)
+    # Over the first axis of a copy: numpy takes five times as long over one in the middle.
+    means = np.ascontiguousarray(paths.means.transpose(1, 0, 2))
+    low, high = means.min(axis=0), means.max(axis=0)
     most = hazards.variances.max(axis=1)
     spread = np.sqrt(most[members, None] + most)
     limit = hazards.radii[members, None] + hazards.radii + near.clearance * spread + near.reach

@@ -7,15 +7,15 @@ has them at the steps that cost least in empty space, as far as moving one at a 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from radmpc.arrays import Vector
+from radmpc.arrays import Matrix, Vector
 from radmpc.model.visits import Visit, steps_of_visits
 from radmpc.planners.certified.turned.touring.leg_steps import steps_by_legs
+from radmpc.planners.certified.turned.touring.tour_lp import TourLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
@@ -23,9 +23,10 @@ from radmpc.program.hazards import Hazards
 from radmpc.program.visits.columns import has_choice_of_arrival
 from radmpc.program.visits.rows import rows_at
 from radmpc.program.visits.steps import at_steps
+from radmpc.records import dataclass, replace
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 
-__all__ = ["VisitLp", "at_good_visits", "good_steps"]
+__all__ = ["GoodVisits", "VisitLp", "at_good_visits", "good_steps"]
 
 _MOVES = (4, 2, 1)
 """Steps that a visit is moved by while it pays, long moves first [-]."""
@@ -54,24 +55,57 @@ def _arrival(model: CondensedModel, step: int) -> int | None:
     return step if model.time_cost > 0.0 else None
 
 
-def at_good_visits(hazards: Hazards) -> Hazards:
-    """Return a fleet whose visits take place at good steps, obstacles and others aside.
+@dataclass(frozen=True, slots=True, eq=False)
+class GoodVisits:
+    """A fleet whose visits take place at good steps, obstacles and others aside.
+
+    Attributes
+    ----------
+    hazards : Hazards
+        The fleet, boxes and goals due at single steps.
+    to_choose : tuple of CondensedModel
+        Its vehicles, visits at any step of their windows.
+    alone : tuple of (T, m) array or None
+        What they do by themselves, where that is known.
+    """
+
+    hazards: Hazards
+    to_choose: tuple[CondensedModel, ...]
+    alone: tuple[Matrix, ...] | None = None
+
+
+def at_good_visits(hazards: Hazards) -> GoodVisits:
+    """Return a fleet with visits at steps that cost little in empty space.
 
     Parameters
     ----------
     hazards : Hazards
         The fleet.
-
-    Returns
-    -------
-    Hazards
-        With boxes and goals due at single steps.
     """
-    models, is_thorough = [], hazards.count <= TUNING.few
-    for model in hazards.models:
-        *steps, arrival = good_steps(model, is_thorough=is_thorough)
-        models.append(at_steps(model, steps, _arrival(model, arrival)))
-    return replace(hazards, models=tuple(models))
+    models, alone, is_thorough = [], [], hazards.count <= TUNING.few
+    for i, model in enumerate(hazards.models):
+        found = None if is_thorough else _by_legs(hazards, i)
+        if found is None:
+            *steps, arrival = good_steps(model, is_thorough=is_thorough)
+            models.append(at_steps(model, steps, _arrival(model, arrival)))
+        else:
+            models.append(found[0])
+            alone.append(found[1])
+    controls = tuple(alone) if len(alone) == len(models) else None
+    return GoodVisits(replace(hazards, models=tuple(models)), hazards.models, controls)
+
+
+def _by_legs(hazards: Hazards, i: int) -> tuple[CondensedModel, Matrix] | None:
+    """Return a vehicle with visits at the steps by legs, and what it does; None if it cannot."""
+    model = hazards.models[i]
+    windows = steps_of_visits(model.vehicle.via, model.horizon)
+    steps = steps_by_legs(model, windows, _at_even_speed(model, windows))
+    if steps is None or has_choice_of_arrival(model):
+        return None
+    at_them, program = at_steps(model, steps, None), TourLp(hazards, (i,))
+    program.visit([at_them])
+    alone = program.alone()
+    return None if alone is None else (at_them, alone[0])
 
 
 def good_steps(model: CondensedModel, *, is_thorough: bool = True) -> tuple[int, ...]:

@@ -11,10 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.directions import closest_approach
 from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.narrow.moves import at_ends, beyond, by_lengths, move_costs
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
@@ -114,7 +116,12 @@ class Track:
         lack[distance < touching + spread] = np.inf
         return step, near, lack.reshape(ends.shape)
 
-    def paced(self, horizon: int, others: Iterable[Closeness]) -> tuple[Matrix, float] | None:
+    def paced(
+        self,
+        horizon: int,
+        others: Iterable[Closeness],
+        crowded: npt.NDArray[np.float32] | None = None,
+    ) -> tuple[Matrix, float] | None:
         """Return where the vehicle is at each step at the best pace, (T+1, 2) [m], and its cost.
 
         Parameters
@@ -123,6 +130,8 @@ class Track:
             Steps T.
         others : iterable of Closeness
             What being near each of those costs that are out of the way already.
+        crowded : (T, m, n) array or None
+            What moves from places cost beside that, by their length.
 
         Returns
         -------
@@ -130,29 +139,28 @@ class Track:
             None where there is no pace that keeps off them.
         """
         num_levels, _, count = self.costs.shape
-        near = np.zeros((horizon, count, self.num_moves), dtype=np.float32)
+        near = np.zeros((horizon, self.num_moves, count), dtype=np.float32)
+        if crowded is not None:
+            near += crowded
         for step, place, lack in others:
-            near[step, place] += lack
-        value = np.full((num_levels, count), np.inf, dtype=np.float32)
-        value[:, -1] = self.last
-        level = np.arange(num_levels)
-        ends = level[None, :, None] * count + self.ends
-        moves = np.arange(count) * self.num_moves + level[:, None, None] + level[None, :, None]
-        choices = []
+            near[step, :, place] += lack
+        # Where moves end is a diagonal of these; past the end they cost inf in any case.
+        values = np.full((horizon + 1, num_levels, count + self.num_moves), np.inf, np.float32)
+        values[-1, :, count - 1] = self.last
         for k in range(horizon - 1, -1, -1):
-            worth = self.costs + value.ravel().take(ends)
+            worth = self.costs + at_ends(values[k + 1], self.costs.shape)
             if near[k].any():
-                worth += near[k].ravel().take(moves)
-            choice = worth.argmin(axis=1)
-            choices.append(choice)
-            value = np.take_along_axis(worth, choice[:, None], axis=1)[:, 0]
-        cost = float(value[self.first, 0])
+                worth += by_lengths(near[k], self.costs.shape)
+            worth.min(axis=1, out=values[k, :, :count])
+        cost = float(values[0, self.first, 0])
         if not np.isfinite(cost):
             return None
-        at, speed, path = 0, self.first, [0]
-        for choice in reversed(choices):
-            following = int(choice[speed, at])
-            at, speed = int(self.ends[speed, following, at]), following
+        at, speed, path, level = 0, self.first, [0], np.arange(num_levels)
+        for k in range(horizon):
+            choices = self.costs[speed, :, at] + values[k + 1, level, at + speed + level]
+            choices += near[k, speed + level, at]
+            speed, before = int(choices.argmin()), speed
+            at = int(self.ends[before, speed, at])
             path.append(at)
         return np.asarray(self.places[path]), cost
 
@@ -201,17 +209,15 @@ def track(
     ends = level[:, None, None] + level[None, :, None] + np.arange(count)
     is_never = ends >= count
     ends = np.minimum(ends, count - 1)
-    there = speeds[level[None, :, None], ends]
-    change = np.abs(there - speeds[:, None] - gust)
-    missed = places[ends] - places - 0.5 * dt * (there + speeds[:, None])
     lack = _lack(hazards, i, places, 2 * level.size - 1, kept)
     price = _MISSED * fastest
-    costs = change.sum(axis=3) + price * np.linalg.norm(missed, axis=3)
-    costs += price * np.moveaxis(lack[:, level[:, None] + level], 0, 2)
+    costs, changes = move_costs(places, speeds, gust, (0.5 * dt, price))
+    costs += by_lengths(np.ascontiguousarray(price * lack.T), costs.shape)
+    for change, most in zip(changes, push, strict=True):
+        is_never |= change > most + 0.5 * unit
     # Speeds are on levels: half of one more or less is left to what follows.
     is_fast = np.abs(speeds - current).max(axis=2) > fastest + 0.1 * unit
-    is_never |= is_fast[:, None] | is_fast[level[None, :, None], ends]
-    is_never |= (change > push + 0.5 * unit).any(axis=3)
+    is_never |= is_fast[:, None] | at_ends(beyond(is_fast, 2 * level.size), costs.shape)
     costs[is_never] = np.inf
     start = hazards.models[i].drift_velocity
     first = 0.0 if start is None else float(ahead[0] @ (start[0] + current)) / unit

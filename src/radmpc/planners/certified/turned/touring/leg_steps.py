@@ -36,7 +36,7 @@ class _Leg:
 
     Attributes
     ----------
-    velocities : (a, b, d) array
+    velocities : (d, a, b) array
         Beyond what the vehicle does without controls [m/s].
     seconds : (a, b) array
         How long it takes [s].
@@ -68,10 +68,13 @@ class _Corner:
     extent: float
 
     def cost(self, changes: Tensor, seconds: Sequence[Matrix]) -> Matrix:
-        """Return what changes of velocity cost beside legs of so many seconds, summed over axes."""
-        beyond = np.maximum(self.extent * changes**2 / self.accelerations - self.room, 0.0)
+        """Return what changes of velocity, axes first, cost beside legs of so many seconds."""
         faster = sum(1.0 / each for each in seconds)
-        return np.asarray((changes + beyond * np.asarray(faster)[..., None]).sum(axis=-1))
+        total = 0.0
+        for change, room, most in zip(changes, self.room, self.accelerations, strict=True):
+            beyond = np.maximum(self.extent * change**2 / most - room, 0.0)
+            total = total + (change + beyond * faster)
+        return np.asarray(total)
 
 
 def steps_by_legs(
@@ -117,8 +120,8 @@ def _cheapest(model: CondensedModel, legs: Sequence[_Leg], last: int) -> list[in
         values = totals.min(axis=0)
     goal = model.vehicle.goal
     if goal.speed is not None and model.drift_velocity is not None:
-        speeds = np.abs(ending.velocities + model.drift_velocity[last])
-        slowed = np.maximum(speeds - goal.speed, 0.0)
+        speeds = np.abs(ending.velocities + _by_axes(model.drift_velocity[last]))
+        slowed = np.maximum(speeds - _by_axes(goal.speed), 0.0)
         values = values + corners[-1].cost(slowed, [ending.seconds])
     found = [int(values[:, 0].argmin()), 0]
     for choice in choices[:0:-1]:
@@ -140,11 +143,12 @@ def _legs(model: CondensedModel, steps: Sequence[Indices]) -> list[_Leg]:
         begin, end = here - model.drift_position[at[0]], there - model.drift_position[at[1]]
         away = end - begin[:, None]
         away = np.sign(away) * np.maximum(np.abs(away) - _INSIDE * (wide + wider), 0.0)
+        away = np.ascontiguousarray(np.moveaxis(away, -1, 0))
         count = at[1] - at[0][:, None]
         seconds = dt * np.maximum(count, 1)
-        velocities = away / seconds[:, :, None]
-        there_is = 0.0 if coasting is None else coasting[at[1]]
-        is_too_fast = (np.abs(velocities + there_is) > most).any(axis=2)
+        velocities = away / seconds
+        there_is = 0.0 if coasting is None else coasting[at[1]].T[:, None]
+        is_too_fast = (np.abs(velocities + there_is) > _by_axes(most)).any(axis=0)
         legs.append(_Leg(velocities, seconds, _NEVER * ((count < 1) | is_too_fast)))
     return legs
 
@@ -166,12 +170,18 @@ def _corners(model: CondensedModel) -> list[_Corner]:
 
 def _turned(model: CondensedModel, j: int, one: _Leg, two: _Leg, corner: _Corner) -> Tensor:
     """Return what a visit costs by the steps before, at and after it, (a, b, c)."""
-    before, after = one.velocities[:, :, None], two.velocities[None]
+    before, after = one.velocities[..., None], two.velocities[:, None]
     changes = np.abs(after - before)
     speed, coasting = model.vehicle.via[j].speed, model.drift_velocity
     if speed is not None and coasting is not None:
         # Slowed down, and sped up again.
-        slowed = [np.maximum(np.abs(v + coasting[0]) - speed, 0.0) for v in (before, after)]
+        idle, limit = (_by_axes(each)[..., None] for each in (coasting[0], speed))
+        slowed = [np.maximum(np.abs(v + idle) - limit, 0.0) for v in (before, after)]
         changes = np.maximum(changes, slowed[0] + slowed[1])
     seconds = one.seconds[:, :, None], two.seconds[None]
     return np.asarray(corner.cost(changes, seconds) + two.penalty[None])
+
+
+def _by_axes(each: Vector | float) -> Tensor:
+    """Return what there is by axes, to go with velocities of a leg, (1 or d, 1, 1)."""
+    return np.reshape(each, (-1, 1, 1))

@@ -7,13 +7,15 @@ import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
-from radmpc.planners.certified.turned.margins import fixed_margins
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.touring.known import Known, heights_on
+from radmpc.planners.certified.turned.touring.tour_lp import TourLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
+from radmpc.program.hazards import Hazards
 from radmpc.records import replace
+from radmpc.solvers.solution import Limits
 
 __all__ = ["Counts", "OneByOne"]
 
@@ -43,7 +45,19 @@ Counts = npt.NDArray[np.bool_]
 
 
 class OneByOne(SuccessiveLp):
-    """The latest paths of a fleet whose vehicles are planned one by one."""
+    """The latest paths of a fleet of double integrators that are planned one by one.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    limits : Limits
+        When to stop early.
+    """
+
+    def __init__(self, hazards: Hazards, limits: Limits) -> None:
+        super().__init__(hazards, limits)
+        self._tours: dict[tuple[int, ...], TourLp] = {}
 
     def make_visits(self, vehicle: int, model: CondensedModel) -> None:
         """Have a vehicle make its visits at other steps.
@@ -152,8 +166,7 @@ class OneByOne(SuccessiveLp):
     ) -> HalfSpaces:
         """Return half-spaces turned to the latest path of a vehicle, as far as others count."""
         near = Near(clearance, reach, is_refined=False, is_start_given=True)
-        spaces = half_spaces(self.hazards, self.paths, (vehicle,), near)
-        return spaces.of(counts[spaces.second, spaces.windows])
+        return half_spaces(self.hazards, self.paths, (vehicle,), near, counts=counts)
 
     def _solve_alone(
         self, vehicle: int, spaces: HalfSpaces, clearance: float, penalty: float
@@ -163,25 +176,34 @@ class OneByOne(SuccessiveLp):
         Most half-spaces bind nowhere: those that the path is near to begin with, then those that
         the plan misses, too.
         """
-        program, missed = self._program((vehicle,)), None
+        program, missed = self._tour((vehicle,)), None
         needed = spaces.offsets + clearance * spaces.deviations
         is_in = np.asarray((spaces.heights - needed < _TIGHT).any(axis=1))
         for _ in range(_MORE):
             part = spaces.of(is_in)
-            plan = program.solve(
-                part, self.paths, fixed_margins(part.deviations, clearance, penalty)
-            )
-            if plan is None:
+            found = program.solve(part, self.paths, clearance, penalty)
+            if found is None:
                 return missed
-            self.paths.fly(vehicle, plan.controls[0])
+            controls, shortfall = found
+            self.paths.fly(vehicle, controls[0])
             lacks = np.maximum(needed - heights_on(self.paths, spaces), 0.0)
             lacks[spaces.windows == 0, 0] = 0.0
             is_short = (lacks > _LITTLE).any(axis=1) & ~is_in
-            missed = plan.shortfall + float(lacks[is_short].sum())
+            missed = shortfall + float(lacks[is_short].sum())
             if not is_short.any():
                 break
             is_in |= is_short
         return missed
+
+    def _tour(self, group: tuple[int, ...]) -> TourLp:
+        """Return the linear program of a group, with visits where they are made now."""
+        found = self._tours.get(group)
+        if found is None:
+            found = TourLp(self.hazards, group)
+            if len(group) == 1:
+                self._tours[group] = found
+        found.visit([self.hazards.models[i] for i in group])
+        return found
 
     def lack(self, vehicle: int, clearance: float, counts: Counts) -> float:
         """Return how far half-spaces are missed by a vehicle's latest path [m].
@@ -245,19 +267,18 @@ class OneByOne(SuccessiveLp):
         """
         rounds, penalty = tries[0], tries[1] * self._meter
         reach = _REACH * float(self.hazards.moves[list(group)].max())
-        program = self._program(group)
+        program = self._tour(group)
         for _ in range(rounds):
             near = Near(clearance, reach, is_refined=False, is_start_given=True)
             spaces = half_spaces(self.hazards, self.paths, group, near)
-            margins = fixed_margins(spaces.deviations, clearance, penalty)
-            plan = program.solve(spaces, self.paths, margins)
-            if plan is None:
+            found = program.solve(spaces, self.paths, clearance, penalty)
+            if found is None:
                 break
-            self._fly(group, plan)
-            if plan.shortfall <= _LITTLE:
+            for i, controls in zip(group, found[0], strict=True):
+                self.paths.fly(i, controls)
+            if found[1] <= _LITTLE:
                 break
             penalty *= TUNING.penalty_growth
-        self._programs.pop(group, None)
 
     def _is_flown(self, vehicle: int) -> bool:
         """Whether the latest path is that of the latest controls."""

@@ -112,7 +112,7 @@ class Placing:
         counts = among[:-1].copy()
         counts[i] = False
         others = crowding(found.laid_out, hazards, successive.paths, counts, self._clearance)
-        paced = found.laid_out.paced(hazards.horizon, (*found.due, others))
+        paced = found.laid_out.paced(hazards.horizon, found.due, others)
         if paced is None:
             return
         places = paced[0]
