@@ -10,6 +10,7 @@ from visiting import scene, vehicle
 
 from radmpc import Obstacle, Scenario, Visit
 from radmpc.model.dynamics import LinearSystem
+from radmpc.planners.certified.turned.grid import Grid
 from radmpc.planners.certified.turned.group_lp import GroupLp
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
 from radmpc.planners.certified.turned.margins import fixed_margins
@@ -162,3 +163,16 @@ def test_half_spaces_of_those_that_count_are_those_of_all_that_count() -> None:
     assert 0 < asked.count < every.count
     assert np.array_equal(asked.keys, expected.keys)
     assert np.array_equal(asked.heights, expected.heights)
+
+
+def test_the_nearest_open_point_of_a_grid_is_the_nearest_of_all() -> None:
+    hazards, rng = begun(fleet()).hazards, np.random.default_rng(5)
+    grid = Grid.of(hazards)
+    for share in (0.9, 0.02, 0.0005):
+        is_open = rng.random(len(grid.points)) < share
+        # Many of these places are off the grid.
+        for place in rng.uniform(-20.0, 20.0, (40, 2)):
+            found = grid.nearest(place, is_open)
+            away = np.linalg.norm(grid.points - place, axis=1)
+            assert found == (np.flatnonzero(is_open)[away[is_open].argmin()])
+    assert grid.nearest(np.zeros(2), np.zeros(len(grid.points), dtype=bool)) == -1
