@@ -48,7 +48,8 @@ def cluster(address: str) -> Iterator[Executor]:
     _check_answers(address)
     # What goes wrong with a task comes with its result; of one that is given up while the client is
     # asking for it, Tornado would print how that was taken.
-    for name in ("distributed", "tornado"):
+    # (Dask gives the last one a level of its own as it loads.)
+    for name in ("distributed", "tornado", "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=_SECONDS, set_as_default=False)
