@@ -48,8 +48,9 @@ def cluster(address: str) -> Iterator[Executor]:
     _check_answers(address)
     # What goes wrong with a task comes with its result; of one that is given up while the client is
     # asking for it, Tornado would print how that was taken.
-    # (Dask gives the last one a level of its own as it loads.)
-    for name in ("distributed", "tornado", "tornado.application"):
+    # Dask gives some of these a level of their own as it loads.
+    parts = "distributed", "distributed.client", "distributed.gc", "tornado", "tornado.application"
+    for name in parts:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=_SECONDS, set_as_default=False)
