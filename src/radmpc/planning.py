@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner, Run
 from radmpc.planners.draft import Draft
 from radmpc.planners.outcome.improving import Improving
-from radmpc.planners.outcome.record import plan_of, verdict_of
+from radmpc.planners.outcome.record import Certifying, plan_of
 from radmpc.planners.outcome.trajectories import trajectories_of
 from radmpc.planners.planner import Improved, nobody
 from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
@@ -101,18 +100,24 @@ def plan(
     time_limit = seconds_allowed(record, time_limit)
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
     limits = Limits(deadline, never if stop is None else stop, time_limit)
-    judge = partial(verdict_of, scenario, record)
+    referee = Certifying(scenario, record)
     # What an assignment is planned for on the way is not yet the scenario of the answer.
     hand_on: Improved = nobody
     if improved is not None and not scenario.goals:
-        hand_on = Improving(scenario, record, seed, improved, begun)
+        hand_on = Improving(scenario, record, seed, improved, begun, referee)
     run = Run(
-        generator, limits, executor, progress or _silent, judge, found or _silent_best, hand_on
+        generator,
+        limits,
+        executor,
+        progress or _silent,
+        referee.verdict,
+        found or _silent_best,
+        hand_on,
     )
     if scenario.goals:
         from radmpc.planners.assignment import assigned  # noqa: PLC0415 - few share goals
 
-        scenario, draft = assigned(scenario, record, run, lambda s: partial(verdict_of, s, record))
+        scenario, draft = assigned(scenario, record, run, lambda s: Certifying(s, record).verdict)
     else:
         draft = record.decomposition.plan(scenario, record, run)
     draft = _with_limits(draft, limits)

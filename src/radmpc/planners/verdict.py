@@ -8,14 +8,10 @@ from radmpc.arrays import Indices, Matrix
 from radmpc.model.plan import LedgerRow
 from radmpc.records import dataclass
 
-__all__ = ["Judge", "Remembering", "Verdict"]
+__all__ = ["Judge", "Verdict"]
 
 _BESIDES = 0.1
 """Share of Δ that pairs across sets may keep together when the worst of them are merged [-]."""
-
-
-_REMEMBERED = 8
-"""Verdicts that are remembered [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,26 +81,3 @@ class Verdict:
 
 Judge = Callable[[tuple[Matrix, ...]], Verdict]
 """The referee's verdict on every vehicle's controls, in the scenario's order."""
-
-
-class Remembering:
-    """A judge who remembers the latest verdicts: rounds often lead back to the same plans.
-
-    Parameters
-    ----------
-    judge : callable
-        The referee.
-    """
-
-    def __init__(self, judge: Judge) -> None:
-        self._judge = judge
-        self._latest: dict[bytes, Verdict] = {}
-
-    def __call__(self, controls: tuple[Matrix, ...]) -> Verdict:
-        """Return the referee's verdict on every vehicle's controls."""
-        key = b"".join(each.tobytes() for each in controls)
-        if key not in self._latest:
-            if len(self._latest) >= _REMEMBERED:
-                del self._latest[next(iter(self._latest))]
-            self._latest[key] = self._judge(controls)
-        return self._latest[key]

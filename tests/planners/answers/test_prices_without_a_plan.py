@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 
 from radmpc.experiments.families import circle
+from radmpc.model.plan import Plan
 from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.verdict import Remembering, Verdict
+from radmpc.planners.outcome import record
+from radmpc.planners.presets import parse_planner
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
+from radmpc.referee import Certificate, certify
 
 SCENARIO = circle(4)
 HAZARDS = Hazards.of(SCENARIO, condensed_models(SCENARIO))
@@ -82,23 +85,29 @@ def test_a_certificate_just_above_the_bound_calls_for_a_higher_price_not_for_goi
         assert before < control.price < 1.2 * before
 
 
-def test_a_judge_who_remembers_is_asked_once_for_what_is_the_same() -> None:
-    asked = []
+def test_the_referee_is_asked_once_for_what_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    judged = []
 
-    def judge(controls: tuple[np.ndarray, ...]) -> Verdict:
-        asked.append(controls)
-        return Verdict(float(controls[0].sum()), ())
+    def judge(plan: Plan) -> Certificate:
+        judged.append(plan)
+        return certify(plan)
 
-    remembering = Remembering(judge)
-    same = np.ones((3, 2))
-    assert remembering((same,)).certified == 6.0
-    assert remembering((same.copy(),)).certified == 6.0
-    assert len(asked) == 1
+    monkeypatch.setattr(record, "certify", judge)
+    referee = record.Certifying(SCENARIO, parse_planner("certified"))
+
+    def of(push: float) -> tuple[np.ndarray, ...]:
+        return tuple(np.full((SCENARIO.horizon, 2), push) for _ in SCENARIO.vehicles)
+
+    first = referee(of(0.01))
+    assert referee(of(0.01)) is first
+    assert referee.verdict(of(0.01)).certified == first.certified
+    assert len(judged) == 1
     for number in range(20):
-        assert remembering((np.full((3, 2), float(number)),)).certified == 6.0 * number
-    assert len(asked) == 20
-    remembering((same,))
-    assert len(asked) == 21
+        assert referee(of(0.02 + 0.001 * number)).certified == certify(judged[-1]).certified
+    assert len(judged) == 21
+    # What was asked long ago is asked again.
+    referee(of(0.01))
+    assert len(judged) == 22
 
 
 def test_placing_vehicles_asks_at_every_tick_whether_to_stop() -> None:

@@ -31,7 +31,6 @@ from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
-from radmpc.planners.verdict import Remembering
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass, field, replace
@@ -82,7 +81,6 @@ class Certified(Decomposition):
             With a lower bound on the cost, and the shadow price of Δ, where there is a plan.
         """
         begun = time.perf_counter()
-        run = replace(run, judge=Remembering(run.judge))
         ruled_out = sure_why_not(scenario, run.limits)
         if ruled_out is not None:
             return _empty(scenario, ruled_out, begun)

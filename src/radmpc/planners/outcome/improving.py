@@ -9,10 +9,9 @@ from radmpc.arrays import Matrix
 from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.draft import Draft
-from radmpc.planners.outcome.record import plan_of
+from radmpc.planners.outcome.record import Certifying, plan_of
 from radmpc.planners.outcome.trajectories import cost_of, trajectories_of
 from radmpc.planners.planner import Planner
-from radmpc.referee import certify
 
 __all__ = ["Improving"]
 
@@ -32,6 +31,8 @@ class Improving:
         Takes the plans.
     begun : float
         Value of ``time.perf_counter()`` at which planning began [s].
+    referee : Certifying
+        Judges them.
     """
 
     def __init__(
@@ -41,9 +42,10 @@ class Improving:
         seed: int | None,
         improved: Callable[[Plan], None],
         begun: float,
+        referee: Certifying,
     ) -> None:
         self._of, self._seed = (scenario, planner), seed
-        self._improved, self._begun = improved, begun
+        self._improved, self._begun, self._referee = improved, begun, referee
         self._known: tuple[Matrix, ...] = ()
         self._least = float("inf")
 
@@ -57,11 +59,10 @@ class Improving:
         if cost_of(scenario, trajectories) >= self._least:
             return
         everyone = (tuple(range(scenario.num_vehicles)),)
-        draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
-        unjudged = plan_of(scenario, planner, self._seed, draft, trajectories, None, {})
-        said = certify(unjudged)
+        said = self._referee(controls)
         if not said.holds:
             return
+        draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
         seconds = {"total": time.perf_counter() - self._begun}
         judged = plan_of(scenario, planner, self._seed, draft, trajectories, said, seconds)
         self._least = float("inf") if judged.cost is None else judged.cost

@@ -20,11 +20,16 @@ from radmpc.planners.verdict import Verdict
 from radmpc.referee import Certificate, certify
 from radmpc.version import __version__
 
-__all__ = ["plan_of", "verdict_of"]
+__all__ = ["Certifying", "plan_of"]
+
+_REMEMBERED = 8
+"""Certificates that are remembered [-]."""
 
 
-def verdict_of(scenario: Scenario, planner: Planner, controls: tuple[Matrix, ...]) -> Verdict:
-    """Return the referee's verdict on controls, for planners to ask for while they search.
+class Certifying:
+    """The referee, for planners to ask while they search; remembers the latest certificates.
+
+    A plan is judged where it is found, and again where it is handed on.
 
     Parameters
     ----------
@@ -32,14 +37,30 @@ def verdict_of(scenario: Scenario, planner: Planner, controls: tuple[Matrix, ...
         The fleet.
     planner : Planner
         Who asks.
-    controls : tuple of (T, m) array
-        In the scenario's order.
     """
-    trajectories = trajectories_of(scenario, controls)
-    everyone = (tuple(range(scenario.num_vehicles)),)
-    draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
-    said = certify(plan_of(scenario, planner, None, draft, trajectories, None, {}))
-    return Verdict(said.certified, said.ledger)
+
+    def __init__(self, scenario: Scenario, planner: Planner) -> None:
+        self._of = scenario, planner
+        self._latest: dict[bytes, Certificate] = {}
+
+    def __call__(self, controls: tuple[Matrix, ...]) -> Certificate:
+        """Return the certificate of every vehicle's controls, in the scenario's order."""
+        key = b"".join(each.tobytes() for each in controls)
+        if key not in self._latest:
+            if len(self._latest) >= _REMEMBERED:
+                del self._latest[next(iter(self._latest))]
+            scenario, planner = self._of
+            trajectories = trajectories_of(scenario, controls)
+            everyone = (tuple(range(scenario.num_vehicles)),)
+            draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
+            unjudged = plan_of(scenario, planner, None, draft, trajectories, None, {})
+            self._latest[key] = certify(unjudged)
+        return self._latest[key]
+
+    def verdict(self, controls: tuple[Matrix, ...]) -> Verdict:
+        """Return what planners need of it."""
+        said = self(controls)
+        return Verdict(said.certified, said.ledger)
 
 
 def plan_of(
