@@ -120,15 +120,7 @@ def plan(
         scenario, draft = assigned(scenario, record, run, lambda s: Certifying(s, record).verdict)
     else:
         draft = record.decomposition.plan(scenario, record, run)
-    draft = _with_limits(draft, limits)
-    judging = time.perf_counter()
-    trajectories = trajectories_of(scenario, draft.controls)
-    unjudged = plan_of(scenario, record, seed, draft, trajectories, None, {})
-    certificate = certify(unjudged) if trajectories else None
-    ended = time.perf_counter()
-    seconds = {**draft.seconds, "certificate": ended - judging, "total": ended - begun}
-    judged = plan_of(scenario, record, seed, draft, trajectories, certificate, seconds)
-    return Result(judged, certificate, draft.steps, draft.events)
+    return _judged(scenario, record, seed, _with_limits(draft, limits), begun)
 
 
 def seconds_allowed(planner: Planner, time_limit: float | None) -> float | None:
@@ -177,6 +169,20 @@ def _check_options(
         check_kind(executor, Executor, "executor", "a concurrent.futures.Executor or None")
     check_callable(progress, "progress")
     check_callable(stop, "stop")
+
+
+def _judged(
+    scenario: Scenario, planner: Planner, seed: int | None, draft: Draft, begun: float
+) -> Result:
+    """Return what was planned since `begun`, with the certificate that the referee gives it."""
+    judging = time.perf_counter()
+    trajectories = trajectories_of(scenario, draft.controls)
+    unjudged = plan_of(scenario, planner, seed, draft, trajectories, None, {})
+    certificate = certify(unjudged) if trajectories else None
+    ended = time.perf_counter()
+    seconds = {**draft.seconds, "certificate": ended - judging, "total": ended - begun}
+    judged = plan_of(scenario, planner, seed, draft, trajectories, certificate, seconds)
+    return Result(judged, certificate, draft.steps, draft.events)
 
 
 def _silent(stage: str, done: int, total: int | None) -> None:
