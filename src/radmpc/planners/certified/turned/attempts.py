@@ -66,6 +66,8 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
         # Asked before the next attempt, which takes time to prepare.
         if limits.reached or (found.controls and number >= num_sides):
             break
+        # Twenty vehicles' take 100 MB, and hardly any attempt is turned again.
+        attempt.turning.successive.forget_all_but(())
     if found.controls or best is None:
         return found
     return best.run()

@@ -59,43 +59,51 @@ def first_plan(
     """
     hazards = task.hazards if visits is None else visits.hazards
     task = replace(_told_once(task), hazards=hazards)
-    alone = SuccessiveLp(hazards, task.limits)
-    if visits is not None and visits.alone is not None:
-        alone.begin(visits.alone)
-    elif not alone.begin_alone():
+    alone = _paths_alone(task, visits)
+    if alone is None:
         return FleetIncumbent()
     share = TUNING.first_share * task.risk_bound / hazards.count
     clearance = float(hazards.tail.clearance_for(min(share, CONVEX_RISK)))
-    stopped = _stopped(hazards, alone.paths)
-    sets = _meeting(hazards, alone.paths, clearance)
+    stopped = _stopped(hazards, alone)
+    sets = _meeting(hazards, alone, clearance)
     largest = max(len(members) for members in sets)
     is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
     is_easy = not is_crowded and (not stopped.size or hazards.count > TUNING.few)
     if is_easy and not is_needed and (largest == 1 or hazards.count > TUNING.few):
         return FleetIncumbent()
     if is_easy and is_needed and largest == 1:
-        found = _alone(task, alone.paths)
+        found = _alone(task, alone)
         if found.controls:
             return found
-    if is_easy and not is_needed and _gives_way(task, alone.paths, clearance):
+    if is_easy and not is_needed and _gives_way(task, alone, clearance):
         return FleetIncumbent()
     from radmpc.planners.certified.turned.attempt import Begin  # noqa: PLC0415 - as below
     from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
 
     # Risk counts for more than effort at first: a falling price stays near what is certified.
-    price *= TUNING.first_dear * alone.paths.cost() / task.risk_bound
+    price *= TUNING.first_dear * alone.cost() / task.risk_bound
     ways: dict[int, Matrix] = {}
     if stopped.size:
         from radmpc.planners.certified.turned.narrow.cheapest import cheapest_ways  # noqa: PLC0415 - loads graphs
 
-        ways = cheapest_ways(hazards, alone.paths, stopped, clearance, task.limits)
+        ways = cheapest_ways(hazards, alone, stopped, clearance, task.limits)
     time_share = TUNING.easy_share if is_easy and not is_needed else TUNING.first_time_share
     seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
     # Where few meet, the relaxation tells the sides soon.
     is_any = is_easy and is_needed
     to_choose = None if visits is None else visits.to_choose
-    begin = Begin(task, alone.paths, ways, sets, price, clearance, to_choose, is_any)
+    begin = Begin(task, alone, ways, sets, price, clearance, to_choose, is_any)
     return tried(begin, rng, task.limits.within(seconds))
+
+
+def _paths_alone(task: Task, visits: GoodVisits | None) -> Paths | None:
+    """Return what vehicles do by themselves; None where one cannot reach its goal."""
+    successive = SuccessiveLp(task.hazards, task.limits)
+    if visits is not None and visits.alone is not None:
+        successive.begin(visits.alone)
+    elif not successive.begin_alone():
+        return None
+    return successive.paths
 
 
 def _alone(task: Task, paths: Paths) -> FleetIncumbent:
