@@ -13,13 +13,14 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.planners.certified.turned.group_lp import GroupLp, GroupPlan
+from radmpc.planners.certified.turned.group_lp import NEVER, GroupLp, GroupPlan
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.margins import Margins
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import norm_rows
 from radmpc.program.hazards import Hazards
+from radmpc.solvers.solution import Limits
 
 __all__ = ["KeptLp"]
 
@@ -107,7 +108,9 @@ class KeptLp(GroupLp):
         numbers = np.arange(self._rows_kept)
         self._lp.change_rows(numbers, np.concatenate(lower), np.concatenate(upper))
 
-    def solve(self, spaces: HalfSpaces, paths: Paths, margins: Margins) -> GroupPlan | None:
+    def solve(
+        self, spaces: HalfSpaces, paths: Paths, margins: Margins, limits: Limits = NEVER
+    ) -> GroupPlan | None:
         """Solve as `GroupLp` does; take note of whether there was anything.
 
         Parameters
@@ -118,8 +121,10 @@ class KeptLp(GroupLp):
             Those paths, and everyone else's.
         margins : Margins
             What the half-spaces ask for.
+        limits : Limits
+            When to give up.
         """
-        plan = super().solve(spaces, paths, margins)
+        plan = super().solve(spaces, paths, margins, limits)
         self.has_failed = plan is None
         return plan
 

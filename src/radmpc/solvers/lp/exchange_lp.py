@@ -113,8 +113,23 @@ class ExchangeLp:
             The number of the first.
         """
         self.drop()
+        return self.extend_columns(cost, upper)
+
+    def extend_columns(self, cost: Vector, upper: Vector) -> int:
+        """Append columns, at least 0, to those that were exchanged last, rows kept.
+
+        Parameters
+        ----------
+        cost, upper : (n,) array
+            Costs and upper bounds, inf where there is none.
+
+        Returns
+        -------
+        int
+            The number of the first.
+        """
         first = self.add_columns(cost, np.zeros(cost.size), upper)
-        self._exchanged_columns = cost.size
+        self._exchanged_columns += cost.size
         return first
 
     def exchange_rows(self, matrix: csr_array, lower: Vector) -> None:
@@ -143,8 +158,16 @@ class ExchangeLp:
             self._highs.deleteCols(numbers.size, numbers)
             self.num_columns, self._exchanged_columns = first, 0
 
-    def solve(self) -> Vector | None:
-        """Minimize from where the last solve ended; return all columns, None without an optimum."""
+    def solve(self, seconds: float = np.inf) -> Vector | None:
+        """Minimize from where the last solve ended; return all columns, None without an optimum.
+
+        Parameters
+        ----------
+        seconds : float
+            After which it is given up [s].
+        """
+        # HiGHS counts the time of all solves so far.
+        self._highs.setOptionValue("time_limit", self._highs.getRunTime() + seconds)
         most = 1000 + _PIVOTS * (self.num_rows + self.num_columns)
         self._highs.setOptionValue("simplex_iteration_limit", most)
         values = optimum(self._highs)

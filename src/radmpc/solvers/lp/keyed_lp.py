@@ -143,8 +143,14 @@ class KeyedLp(ExchangeLp):
         self._exchanged_rows += count
         self._keys = exchanged.column_keys, exchanged.row_keys
 
-    def solve(self) -> Vector | None:
-        """Minimize from where the last solve ended; return all columns, None without an optimum."""
+    def solve(self, seconds: float = np.inf) -> Vector | None:
+        """Minimize from where the last solve ended; return all columns, None without an optimum.
+
+        Parameters
+        ----------
+        seconds : float
+            After which it is given up [s].
+        """
         if self._basis is not None:
             is_basic, is_active = (
                 [key in ended for key in keys.tolist()]
@@ -153,9 +159,9 @@ class KeyedLp(ExchangeLp):
             columns = np.concatenate([self._basis[0], np.where(is_basic, BASIC, LOWER)])
             rows = np.concatenate([self._basis[1], np.where(is_active, LOWER, BASIC)])
             begin_with(self._highs, columns, rows)
-        values = super().solve()
+        values = super().solve(seconds)
         if values is None and self._basis is not None:
-            values = super().solve()
+            values = super().solve(seconds)
         if values is None:
             self._basis = None
             return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.gaussian import GAUSSIAN, Tail, tail_probability
@@ -70,6 +71,26 @@ class Margins:
     def num_columns(self) -> int:
         """Columns per end: one for each part, and one for what is missed beyond them."""
         return int(self.lengths.shape[2]) + 1
+
+    def of(self, chosen: npt.NDArray[np.bool_]) -> Margins:
+        """Return those of some half-spaces, (w,) bool array."""
+        room, lengths, prices = self.room[chosen], self.lengths[chosen], self.prices[chosen]
+        return Margins(room, lengths, prices, self.risks[chosen], self.penalty)
+
+    def given_up(self, values: Vector, ends: int) -> tuple[float, float]:
+        """Return what is missed in all beyond the parts [m], and the risk of those given up [-].
+
+        Parameters
+        ----------
+        values : array
+            Lengths given up, those of the last ends of each half-space in order first [m].
+        ends : int
+            How many ends have columns [-].
+        """
+        shape = (self.room.shape[0], ends, self.num_columns)
+        lengths = values[: int(np.prod(shape))].reshape(shape)
+        risk = float(np.sum(lengths[:, :, :-1] * self.risks[:, 2 - ends :]))
+        return float(lengths[:, :, -1].sum()), risk
 
 
 def fixed_margins(deviations: Matrix, clearance: float, penalty: float) -> Margins:

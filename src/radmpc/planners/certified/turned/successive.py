@@ -206,7 +206,7 @@ class SuccessiveLp:
                 spacing,
                 self.hazards.tail,
             )
-            plan = program.solve(spaces, self.paths, margins)
+            plan = program.solve(spaces, self.paths, margins, self.limits)
             if plan is None:
                 break
             self._fly(group, plan)
@@ -215,6 +215,9 @@ class SuccessiveLp:
             # The paths went where nothing was near them before: look further around the old ones.
             self.paths.restore(before)
             reach *= TUNING.further
+            if self.limits.reached:
+                plan = None
+                break
         else:
             if plan is not None:
                 self._fly(group, plan)
