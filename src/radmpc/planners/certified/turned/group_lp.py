@@ -160,8 +160,8 @@ class GroupLp:
 
         Notes
         -----
-        Where there are many half-spaces, those near the latest paths are in the program first; those
-        that its solution comes near enter until there are none. It is the solution of all.
+        Of many half-spaces, those near the latest paths are in the program first; those that its
+        solution comes near enter until there are none. It is the solution of all.
         """
         self._lp.drop()
         is_in = np.zeros(spaces.count, dtype=bool)
