@@ -16,6 +16,13 @@ __all__ = ["Meeting", "end_normals", "meeting_encounter", "meeting_normals", "st
 _TINY = 1e-12
 """Stands for a length of 0 where one divides by it [m]."""
 
+_FEW = 256
+"""Meetings up to which all directions are refined [-]."""
+
+_CLEAR = 10.0
+"""Clearance along the line of closest approach from which on they are not, where more meet
+[standard deviations]."""
+
 Meeting = tuple[Indices, ...]
 """Two vehicles and a window, (w,) each."""
 
@@ -43,7 +50,7 @@ def meeting_normals(
     is_refined : bool
         Whether the best are asked for.
     """
-    paths, ahead = both
+    paths = both[0]
     first, second, window = meeting
     relative = paths.means[first, window] - paths.means[second, window]
     end = paths.means[first, window + 1] - paths.means[second, window + 1]
@@ -53,8 +60,25 @@ def meeting_normals(
     tried = around_approach(closest, end - relative, distance, signs, many=is_refined)
     if not (is_refined and first.size):
         return np.asarray(tried[:, 0])
-    each = tuple(meeting_encounter(hazards, latest, meeting, distance) for latest in (paths, ahead))
-    return refined((each[0], each[1]), tried)
+    near = _to_refine(hazards, both, meeting, distance, tried[:, 0])
+    normals: Matrix = tried[:, 0].copy()
+    some = first[near], second[near], window[near]
+    each = [meeting_encounter(hazards, latest, some, distance[near]) for latest in both]
+    normals[near] = refined((each[0], each[1]), tried[near])
+    return normals
+
+
+def _to_refine(
+    hazards: Hazards, both: tuple[Paths, Paths], meeting: Meeting, distance: Vector, normals: Matrix
+) -> npt.NDArray[np.bool_]:
+    """Return where more room is worth seeking: everywhere if few meet, else where they are near."""
+    if distance.size <= _FEW:
+        return np.ones(distance.size, dtype=bool)
+    clearances = (
+        meeting_encounter(hazards, latest, meeting, distance).clearances(normals[:, None])[:, 0]
+        for latest in both
+    )
+    return np.asarray(np.minimum(*clearances) < _CLEAR)
 
 
 def meeting_encounter(

@@ -30,7 +30,7 @@ _MISSED = 1e-7
 """What half-spaces may be missed by in all [m]."""
 
 _WARM = 256
-"""Vehicles of linear programs that are kept warm at most [-]: 0.3 to 0.5 MB each, more in crowds."""
+"""Vehicles of linear programs that are kept warm at most [-]: 0.3 to 5 MB for each of them."""
 
 _ASKED = 16
 """Vehicles planned between two looks at the clock [-]: one takes 1 to 20 ms."""
