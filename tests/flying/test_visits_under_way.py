@@ -156,3 +156,23 @@ def test_who_goes_where_is_not_decided_again_under_way() -> None:
     for scenario in asked:
         assert scenario.goals == ()
         assert [v.goal.center.tolist() for v in scenario.vehicles] == taken
+
+
+def test_visits_that_are_made_stay_made_where_covariances_are_learned() -> None:
+    scenario = buoys(covariance_samples=30)
+    [boat] = scenario.vehicles
+    boat = replace(boat, goal=replace(boat.goal, within=None))
+    plan = radmpc.plan(replace(scenario, vehicles=(boat,)), rng=0).require()
+    asked: list[Scenario] = []
+
+    def planning(scenario: Scenario, seconds: float | None) -> radmpc.Result:
+        asked.append(scenario)
+        return radmpc.plan(scenario, rng=0, time_limit=seconds)
+
+    mission = Mission(plan, planner=planning, miss_price=1e3)
+    flight = radmpc.fly(mission, Model(plan.scenario, 2))
+    assert [tick.reason for tick in flight.ticks if "failed" in tick.reason] == []
+    due = [len(each.vehicles[0].via) for each in asked]
+    assert due == sorted(due, reverse=True)
+    assert (due[0], due[-1]) == (2, 0)
+    assert sum(tick.choice == "candidate" for tick in flight.ticks[-3:-1]) > 0
