@@ -34,7 +34,7 @@ from radmpc.io.native.scenario_file import save_scenario
 from radmpc.model.plan import Plan
 from record_table import add_row, rows_of
 
-_OFTEN: Mapping[str, int] = {"kept": 8, "warm": 3, "windows": 1, "late": 1, "blind": 1}
+_OFTEN: Mapping[str, int] = {"kept": 8, "warm": 3, "windows": 1, "late": 1, "blind": 1, "again": 1}
 """Missions of a kind; 2 of all others."""
 
 _LEVEL = 1e-3
@@ -195,10 +195,11 @@ def _fly_once(found: Found, plan: Plan, notes: Notes, which: tuple[str, int]) ->
     drawn = np.random.default_rng(noise)
     world = radmpc.Model(plan.scenario, drawn) if has_model else World(plan.scenario, noise)
     blind = rng if kind == "blind" else None
-    became = flown(mission, world, notes, f"{kind} {number}", deadline=deadline, blind=blind)
+    name, again = f"{kind} {number}", kind == "again"
+    became = flown(mission, world, notes, name, deadline=deadline, blind=blind, is_restarted=again)
     found.missions, found.ticks = found.missions + 1, found.ticks + became.ticks
     found.adopted += became.adopted
-    if kind != "blind":
+    if kind not in {"blind", "again"}:
         _count(found, became, notes, is_kept=kind == "kept")
 
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
@@ -14,18 +13,18 @@ import numpy as np
 import radmpc
 from hunt_catch import Notes
 from hunt_flights_planners import Instant, Ticking, Vandal, quick
+from hunt_flights_ticks import tick_problems
 from hunt_flights_world import World, contacts_of
 from radmpc.flying.tick import Contact, Tick
 from radmpc.model.plan import Plan
 
 __all__ = ["KINDS_OF_FLIGHT", "Flown", "flown", "is_repeated", "made"]
 
-KINDS_OF_FLIGHT = ("kept", "warm", "replanned", "ahead", "vandal", "late", "windows", "blind")
+KINDS_OF_FLIGHT = (
+    "kept", "warm", "replanned", "ahead", "vandal", "late", "windows", "blind", "again",
+)  # fmt: skip
 """As planned; turned half-spaces; a planner; planned ahead; planners that break and are late; in
-windows; with measurements that are lost, and the bound changed under way."""
-
-_CLOSE = 1e-9
-"""Share by which numbers of the account may differ by rounding [-]."""
+windows; with measurements that are lost, and the bound changed under way; started again."""
 
 Anything = radmpc.Mission | radmpc.LongMission
 
@@ -94,7 +93,26 @@ def _in_windows(plan: Plan, rng: np.random.Generator) -> radmpc.LongMission:
     scenario = replace(plan.scenario, goals=())
     window = int(rng.integers(2, scenario.horizon + 1))
     overlap, warm = int(rng.integers(1, window)), bool(rng.random() < 0.5)
-    return radmpc.LongMission(scenario, window=window, overlap=overlap, planner=quick, warm=warm)
+    guide = None if rng.random() < 0.3 and scenario.num_vehicles <= 3 else _along(plan)
+    return radmpc.LongMission(
+        scenario, window=window, overlap=overlap, guide=guide, planner=quick, warm=warm
+    )
+
+
+def _along(plan: Plan) -> Callable[[int], list[radmpc.Goal]]:
+    """Return a guide along a plan."""
+
+    def goals(step: int) -> list[radmpc.Goal]:
+        vehicles = plan.scenario.vehicles
+        if step == plan.scenario.horizon:
+            return [v.goal for v in vehicles]
+        places = [
+            path.means[step][list(v.system.position)]
+            for v, path in zip(vehicles, plan.trajectories, strict=True)
+        ]
+        return [radmpc.Goal.at(place, 0.3, None) for place in places]
+
+    return goals
 
 
 def flown(
@@ -105,6 +123,7 @@ def flown(
     *,
     deadline: float | None = None,
     blind: np.random.Generator | None = None,
+    is_restarted: bool = False,
 ) -> Flown:
     """Fly a mission, and look at every tick.
 
@@ -120,6 +139,8 @@ def flown(
         As of `Mission.step`.
     blind : Generator or None
         Takes measurements away, and changes the risk bound; None does neither.
+    is_restarted : bool
+        Whether another account is opened in the middle.
     """
     result, is_sound = Flown(), True
     states, contacts = world.reset()
@@ -130,9 +151,14 @@ def flown(
     )
     while not mission.is_over:
         given = states if blind is None else _changed(mission, states, blind)
+        if is_restarted and result.ticks == (scenario.horizon + 1) // 2:
+            start_again(mission, states, result.ticks)
         before = _balance(mission)
         tick = mission.step(given, deadline=deadline, contacts=contacts)
-        for problem in _tick_problems(mission, tick, before):
+        failed = "planning failed" in tick.reason or "cannot be flown" in tick.reason
+        if failed and name.startswith(("replanned", "windows", "again")):
+            notes.add("planner", f"{name}: step {tick.step}: {tick.reason}")
+        for problem in tick_problems(mission, tick, before):
             notes.add("tick", f"{name}: step {tick.step}: {problem}")
         is_sound &= not _count_alarms(result, tick)
         result.ticks, result.adopted = result.ticks + 1, result.adopted + (tick.choice != "tail")
@@ -147,6 +173,27 @@ def flown(
     result.worth = 1.0 if mission.contacts else tick.wealth
     result.digest = digest.hexdigest()
     return result
+
+
+def start_again(mission: Anything, states: Sequence[np.ndarray], step: int) -> None:
+    """Plan the steps that are left as a scenario of its own, and open another account with it."""
+    scenario, left = mission.scenario, mission.scenario.horizon - step
+    if scenario.has_windows or left < 1 or isinstance(mission, radmpc.LongMission):
+        return
+    vehicles = [
+        replace(v, start=x, initial_covariance=0.0 * v.initial_covariance)
+        for v, x in zip(scenario.vehicles, states, strict=True)
+    ]
+    obstacles = [o for o in scenario.obstacles if not o.is_moving]
+    rest = replace(scenario, horizon=left, vehicles=vehicles, obstacles=obstacles, goals=())
+    found = quick(rest, None)
+    try:
+        mission.start_again(found)
+    except (radmpc.NoPlanError, radmpc.RiskError):
+        return
+    except radmpc.ScenarioError as error:
+        if "cannot be started again" not in str(error):
+            raise
 
 
 def _balance(mission: Anything) -> float | None:
@@ -167,47 +214,6 @@ def _changed(mission: Anything, states: Sequence[np.ndarray], rng: np.random.Gen
         return [np.full_like(x, np.nan) if i == 0 else x for i, x in enumerate(states)]
     names = [v.name for v in mission.scenario.vehicles]
     return dict(zip(names[::-1], list(states)[::-1], strict=True))
-
-
-def _tick_problems(mission: Anything, tick: Tick, bank: float | None) -> list[str]:
-    """Return what is wrong with a decision."""
-    found, entry = _control_problems(mission.scenario, tick), mission.account[-1]
-    numbers = [tick.wealth, entry.tail, entry.bank, entry.wealth, tick.seconds]
-    numbers += [x for x in (tick.value, tick.price, tick.next_step) if x is not None]
-    if not all(math.isfinite(x) and x >= 0.0 for x in numbers):
-        found.append(f"numbers that are none: {numbers}")
-    if tick.choice not in {"tail", "candidate"} or not tick.reason or "\n" in tick.reason:
-        found.append(f"choice {tick.choice!r}, reason {tick.reason!r}")
-    if entry.wealth > tick.wealth * (1.0 + _CLOSE) + 1e-15:
-        found.append(f"wealth {tick.wealth!r} became {entry.wealth!r}")
-    is_kept = tick.choice == "tail"
-    if not is_kept and (tick.price is None or tick.price > tick.wealth):
-        found.append(f"price {tick.price} beside a wealth of {tick.wealth}")
-    if not is_kept and mission.contacts:
-        found.append("another leg after a contact")
-    if is_kept and bank is not None and entry.bank != bank:
-        found.append(f"kept, and the bank went from {bank!r} to {entry.bank!r}")
-    if entry.step != tick.step or entry.what != ("kept" if is_kept else "adopted"):
-        found.append(f"the account says {entry.what!r} at step {entry.step}")
-    most = math.inf if tick.value is None else tick.value * 1.02 + _CLOSE
-    if is_kept and tick.next_step is not None and tick.next_step > most:
-        found.append(f"the next step runs {tick.next_step} of {tick.value}")
-    return found
-
-
-def _control_problems(scenario: radmpc.Scenario, tick: Tick) -> list[str]:
-    """Return what is wrong with what vehicles are to do."""
-    found = []
-    if len(tick.segments) not in {0, len(scenario.vehicles)}:
-        found.append(f"{len(tick.segments)} segments")
-    for segment, vehicle in zip(tick.segments, scenario.vehicles, strict=False):
-        control, most = segment.control, vehicle.control_limit
-        norm = math.inf if vehicle.control_norm is None else vehicle.control_norm
-        if not np.all(np.isfinite(control)) or np.any(np.abs(control) > most * (1.0 + _CLOSE)):
-            found.append(f"{vehicle.name}: control {control.tolist()}, limit {most.tolist()}")
-        if float(np.linalg.norm(control)) > norm * (1.0 + _CLOSE):
-            found.append(f"{vehicle.name}: control {control.tolist()}, norm {norm}")
-    return found
 
 
 def _count_alarms(result: Flown, tick: Tick) -> bool:
