@@ -12,6 +12,7 @@ scene.json`` writes it as a scenario file.
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import tempfile
 import time
@@ -40,6 +41,10 @@ _OFTEN: Mapping[str, int] = {"kept": 8, "warm": 3, "windows": 1, "late": 1, "bli
 _LEVEL = 1e-3
 """Chance of calling sound certificates unsafe, all of them together [-]."""
 
+_MORE = (0.1, 0.3, 1.0, 3.0)
+"""Shares by which hits may be more than they were charged [-]: of each the likelihood against what
+was charged is a martingale, and so is their mean, which exceeds 1 / `_LEVEL` that rarely."""
+
 _ALARMED = 1e-3
 """How many ticks have an alarm of several disturbances together, at most [-]."""
 
@@ -66,8 +71,11 @@ class Found:
     kept, kept_hits, anew, anew_hits : int
         Missions flown as planned and by any other rule, and how many of them hit something before
         a control saturated.
+    charged : float
+        What steps of all of these were charged when they began, until something was hit.
     worth : float
-        Sum over the latter of 1 where something was hit, else of the wealth at the end.
+        Sum over those that were not flown as planned of 1 where something was hit, else of the
+        wealth at the end.
     alarms : int
         Of several disturbances together.
     seconds : float
@@ -90,6 +98,7 @@ class Found:
     kept_hits: int = 0
     anew: int = 0
     anew_hits: int = 0
+    charged: float = 0.0
     worth: float = 0.0
     alarms: int = 0
     seconds: float = 0.0
@@ -205,7 +214,7 @@ def _fly_once(found: Found, plan: Plan, notes: Notes, which: tuple[str, int]) ->
 
 def _count(found: Found, became: Flown, notes: Notes, *, is_kept: bool) -> None:
     """Add up hits and alarms of a mission of which something is promised."""
-    found.alarms += became.unlikely
+    found.alarms, found.charged = found.alarms + became.unlikely, found.charged + became.charged
     if became.odd or became.far:
         notes.add("alarm", f"{became.odd} where there is no noise, {became.far} far ones")
     if is_kept:
@@ -238,6 +247,10 @@ def summary(table: Sequence[Found]) -> list[str]:
         chance = float(poisson.sf(count - 1, bound)) if bound > 0.0 else 1.0
         verdict = "UNSAFE" if chance < _LEVEL else "no contradiction"
         lines.append(f"- {name}: {count} hits, certified {bound:.4g}: p = {chance:.3g}, {verdict}")
+    hits, charged = (sum(f.kept_hits + f.anew_hits for f in table), sum(f.charged for f in table))
+    evidence = math.log(np.mean([np.exp(hits * np.log1p(m) - m * charged) for m in _MORE]))
+    verdict = "UNSAFE" if evidence > -math.log(_LEVEL) else "no contradiction"
+    lines.append(f"- step by step: {hits} hits, charged {charged:.4g}: {verdict}")
     kinds = Counter(kind for found in table for kind in found.kinds.split())
     for kind, count in sorted(kinds.items()):
         where = [str(found.index) for found in table if kind in found.kinds.split()]

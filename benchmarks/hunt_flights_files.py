@@ -22,6 +22,9 @@ __all__ = ["check_files"]
 _REPEATED = (None, None, "dlp", "ira")
 """What plans anew in flights that are flown again: no time limit cuts these off."""
 
+_MOST_PLANNED = 3
+"""Vehicles up to which that does not take long [-]."""
+
 _MUCH = 1e-3
 """Change of a number from which on it has to be found out, absolute and relative [-]."""
 
@@ -50,6 +53,8 @@ def check_files(plan: Plan, folder: Path, rng: np.random.Generator, notes: Notes
     """
     path = folder / "whole.flight.jsonl"
     replan = _REPEATED[int(rng.integers(len(_REPEATED)))]
+    if plan.scenario.num_vehicles > _MOST_PLANNED:
+        replan = None
     settings = FlightSettings(replan=replan, missions=2, seed=int(rng.integers(1000)))
     whole = begin_flight(plan, settings, path)
     read = load_flight(path)

@@ -39,6 +39,9 @@ class Flown:
         Decisions, and how many bought a leg.
     is_hit : bool
         Whether anything was hit before a control saturated.
+    charged : float
+        What the steps that were flown had been charged when they began, up to that hit or to a
+        control that saturates [-]: hits happen at most as often.
     worth : float
         1 if something was hit, else the wealth at the end: on average at most Δ.
     far, unlikely, odd : int
@@ -50,6 +53,7 @@ class Flown:
     ticks: int = 0
     adopted: int = 0
     is_hit: bool = False
+    charged: float = 0.0
     worth: float = 0.0
     far: int = 0
     unlikely: int = 0
@@ -165,6 +169,8 @@ def flown(
         digest.update(repr([tick.choice, tick.reason, tick.wealth, tick.value]).encode())
         digest.update(b"".join(u.tobytes() for u in tick.controls))
         if tick.segments:
+            if is_sound and not mission.contacts:
+                result.charged += min(tick.next_step or 0.0, 1.0)
             before_states, (states, contacts) = states, world.advance(tick.segments)
             if isinstance(world, radmpc.Model) and told_exactly:
                 now = before_states, states, tick.controls
