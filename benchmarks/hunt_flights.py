@@ -22,6 +22,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 import numpy as np
+from scipy.special import logsumexp
 from scipy.stats import poisson
 
 import radmpc
@@ -248,7 +249,8 @@ def summary(table: Sequence[Found]) -> list[str]:
         verdict = "UNSAFE" if chance < _LEVEL else "no contradiction"
         lines.append(f"- {name}: {count} hits, certified {bound:.4g}: p = {chance:.3g}, {verdict}")
     hits, charged = (sum(f.kept_hits + f.anew_hits for f in table), sum(f.charged for f in table))
-    evidence = math.log(np.mean([np.exp(hits * np.log1p(m) - m * charged) for m in _MORE]))
+    likelihoods = [hits * math.log1p(more) - more * charged for more in _MORE]
+    evidence = float(logsumexp(likelihoods)) - math.log(len(_MORE))
     verdict = "UNSAFE" if evidence > -math.log(_LEVEL) else "no contradiction"
     lines.append(f"- step by step: {hits} hits, charged {charged:.4g}: {verdict}")
     kinds = Counter(kind for found in table for kind in found.kinds.split())
