@@ -20,6 +20,7 @@ from radmpc.model.vehicle import Vehicle
 
 __all__ = [
     "MOMENTS",
+    "between",
     "hits_at",
     "places_of",
     "plain_collisions",
@@ -143,12 +144,12 @@ def hits_at(
             for number, piece in enumerate(obstacle.at(step)):
                 solid = piece
                 if obstacle.is_moving and share > 0.0:
-                    solid = _between(piece, obstacle.at(step + 1)[number], share)
+                    solid = between(piece, obstacle.at(step + 1)[number], share)
                 hit |= solid_distances(solid, seen) < vehicle.radius - _INSIDE
     return hit
 
 
-def _between(here: Polytope, there: Polytope, share: float) -> Polytope:
+def between(here: Polytope, there: Polytope, share: float) -> Polytope:
     """Return the Minkowski interpolation of two solids."""
     corners = (1.0 - share) * here.vertices[:, None] + share * there.vertices
     points = corners.reshape(-1, corners.shape[2])

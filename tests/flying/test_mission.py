@@ -278,8 +278,11 @@ def test_a_mission_ends(result: Result) -> None:
 
 def test_what_is_no_mission_is_refused(result: Result) -> None:
     nothing = Result(replace(result.record, trajectories=()), None)
-    with pytest.raises(NoPlanError):
-        Mission(nothing)
+    for each in (nothing, nothing.record):
+        with pytest.raises(NoPlanError):
+            Mission(each)
+    with pytest.raises(ScenarioError, match="missing from the plan"):
+        Mission(replace(result.record, trajectories=result.record.trajectories[1:]))
     with pytest.raises(ArgumentTypeError, match="result must be a Plan"):
         Mission(result.record.scenario)
     with pytest.raises(ArgumentError, match=r"share must be from 0 to 1, got 1\.5"):

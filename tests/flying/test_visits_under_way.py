@@ -122,3 +122,57 @@ def test_effort_as_planned_and_as_flown_leave_out_what_time_costs() -> None:
     assert plan.cost > 300.0
     assert summary.effort_planned < 20.0
     assert summary.effort == pytest.approx(summary.effort_planned, rel=0.01)
+
+
+def test_who_goes_where_is_not_decided_again_under_way() -> None:
+    system = radmpc.double_integrator(1.0, dimension=2)
+    goals = [radmpc.Goal.at([6.0, y], 0.3, within=[3, 5]) for y in (0.0, 4.0)]
+    fleet = [
+        radmpc.Vehicle(
+            name=name,
+            system=system,
+            start=[0.0, y],
+            goal=goal,
+            radius=0.3,
+            control_limit=3.0,
+            initial_covariance=1e-3,
+            disturbance_covariance=1e-3,
+        )
+        for name, y, goal in zip("ab", (4.0, 0.0), goals, strict=True)
+    ]
+    result = radmpc.plan(radmpc.Scenario("berths", 1.0, 5, 0.1, fleet, goals=goals), rng=0)
+    taken = [v.goal.center.tolist() for v in result.require().scenario.vehicles]
+    assert taken == [[6.0, 4.0], [6.0, 0.0]]
+    asked: list[Scenario] = []
+
+    def planning(scenario: Scenario, seconds: float | None) -> radmpc.Result:
+        asked.append(scenario)
+        return radmpc.plan(scenario, rng=0, time_limit=seconds)
+
+    mission = Mission(result, planner=planning)
+    flight = radmpc.fly(mission, Model(result.record.scenario, 1))
+    assert [tick.reason for tick in flight.ticks if "failed" in tick.reason] == []
+    assert len(asked) == 5
+    for scenario in asked:
+        assert scenario.goals == ()
+        assert [v.goal.center.tolist() for v in scenario.vehicles] == taken
+
+
+def test_visits_that_are_made_stay_made_where_covariances_are_learned() -> None:
+    scenario = buoys(covariance_samples=30)
+    [boat] = scenario.vehicles
+    boat = replace(boat, goal=replace(boat.goal, within=None))
+    plan = radmpc.plan(replace(scenario, vehicles=(boat,)), rng=0).require()
+    asked: list[Scenario] = []
+
+    def planning(scenario: Scenario, seconds: float | None) -> radmpc.Result:
+        asked.append(scenario)
+        return radmpc.plan(scenario, rng=0, time_limit=seconds)
+
+    mission = Mission(plan, planner=planning, miss_price=1e3)
+    flight = radmpc.fly(mission, Model(plan.scenario, 2))
+    assert [tick.reason for tick in flight.ticks if "failed" in tick.reason] == []
+    due = [len(each.vehicles[0].via) for each in asked]
+    assert due == sorted(due, reverse=True)
+    assert (due[0], due[-1]) == (2, 0)
+    assert sum(tick.choice == "candidate" for tick in flight.ticks[-3:-1]) > 0

@@ -59,6 +59,7 @@ def test_null_is_no_part_and_a_number_is_every_state():
         {"a": GUST},
         {"default": GUST, "tug": None},
         {"a": GUST, "tug": np.eye(4, 2).tolist()},
+        {"tug": GUST},
     ],
 )
 @pytest.mark.parametrize("names", [("a", "tug"), ("a", "tug", "default")])

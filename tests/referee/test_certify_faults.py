@@ -221,9 +221,10 @@ def test_several_faults_are_all_named(plan):
     assert "2 problems" in certify(broken).summary
 
 
-def test_numbers_beyond_all_bounds_are_a_problem_not_a_crash(plan):
+@pytest.mark.parametrize("much", [1e200, 1e308])
+def test_numbers_beyond_all_bounds_are_a_problem_not_a_crash(plan, much):
     controls = plan.trajectories[0].controls.copy()
-    controls[:, 0] = 1e308
+    controls[:, 0] = much
     broken = with_trajectory(plan, 0, controls=controls)
     certificate = certify(broken)
     assert certificate.problems == ("vehicle 'ann': its mean overflows",)

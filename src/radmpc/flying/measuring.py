@@ -9,10 +9,11 @@ import numpy.typing as npt
 
 from radmpc.arguments import is_number, told
 from radmpc.arrays import Vector, as_vector
-from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
+from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, ScenarioError
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.referee.claims import shape_problems
 from radmpc.result import Result
 
 __all__ = [
@@ -37,9 +38,16 @@ def plan_of(result: Result | Plan) -> Plan:
         If it is neither.
     NoPlanError
         If the result holds no plan.
+    ScenarioError
+        If its vehicles or arrays do not fit its scenario.
     """
     plan = result.require() if isinstance(result, Result) else result
     check_plan(plan, "result")
+    if not plan.trajectories:
+        raise NoPlanError(plan.explanation or plan.status_sentence)
+    problems = shape_problems(plan)
+    if problems:
+        raise ScenarioError("; ".join(problems))
     return plan
 
 

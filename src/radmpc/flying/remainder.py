@@ -46,8 +46,9 @@ def left_of(
     Returns
     -------
     Scenario
-        With the same goals, and moving obstacles where they are by then, or may be: nothing of
-        their places has been measured. Visits and windows of arrival are those of all steps: see
+        With the goals that vehicles have: who goes where was decided by the plan that is flown.
+        Moving obstacles are where they are by then, or may be: nothing of their places has been
+        measured. Visits and windows of arrival are those of all steps: see
         `radmpc.flying.visiting`.
     """
     known = known_after(scenario, passed, states)
@@ -59,6 +60,7 @@ def left_of(
         risk_bound=risk_bound,
         vehicles=vehicles,
         obstacles=tuple(later(o, passed) for o in scenario.obstacles),
+        goals=(),
     )
     return left if scale is None or scale.samples is None else _scaled(left, scale)
 

@@ -25,14 +25,14 @@ def still_due(left: Scenario, leg: Leg, step: int) -> Scenario:
     Parameters
     ----------
     left : Scenario
-        The steps that are left.
+        The steps that are left, its visits those that were due when any leg began.
     leg : Leg
         In the air.
     step : int
         Of the mission.
     """
     scenario = leg.plan.scenario
-    if not scenario.has_windows:
+    if not (scenario.has_windows or left.has_windows):
         return left
     passed = step - leg.began
     vehicles = []

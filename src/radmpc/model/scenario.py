@@ -137,7 +137,7 @@ class Scenario:
         if self.goals:
             from radmpc.model.relations.goals import check_goals  # noqa: PLC0415 - few share any
 
-            check_goals(self.goals, [vehicle.goal for vehicle in self.vehicles], self.horizon)
+            check_goals(self.goals, self.vehicles, self.horizon, self.workspace)
 
     def __repr__(self) -> str:
         """Return the scenario in one line."""

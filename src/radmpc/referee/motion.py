@@ -16,6 +16,9 @@ from radmpc.referee.tracks import Tracks, tracks_of
 
 __all__ = ["FleetMotion", "Group", "propagate"]
 
+_MOST = 1e100
+"""Largest mean or covariance [m, m/s and their squares]: squares of distances are numbers, too."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Group:
@@ -124,7 +127,7 @@ class FleetMotion:
             f"vehicle {name!r}: its {field} overflow{'s' if field == 'mean' else ''}"
             for field, arrays in (("mean", self.states), ("covariances", self.covariances))
             for name, array in zip(self.names, arrays, strict=True)
-            if not np.all(np.isfinite(array))
+            if not np.all(np.abs(array) <= _MOST)  # nor nan
         ]
 
 

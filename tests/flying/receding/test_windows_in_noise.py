@@ -172,6 +172,13 @@ def test_visits_are_refused_in_one_line() -> None:
     assert caught.value.path == ("vehicles", 0, "via")
 
 
+def test_goals_to_choose_from_are_refused_in_one_line() -> None:
+    scenario = steered(estimated)
+    shared = replace(scenario, goals=tuple(v.goal for v in scenario.vehicles))
+    with pytest.raises(ScenarioError, match="goals: are to be assigned: no window knows of them"):
+        LongMission(shared, window=2, overlap=1)
+
+
 def crossing() -> Scenario:
     """Return a boat in a gust that goes by a freighter, and knows neither place exactly."""
     [vehicle] = paper(1, 1).vehicles

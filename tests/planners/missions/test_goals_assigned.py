@@ -9,11 +9,14 @@ from visiting import vehicle
 
 from radmpc import Goal, Scenario, ScenarioError, Status, certify, plan
 from radmpc.io.native.mapping import from_dict, to_dict
+from radmpc.model.dynamics import LinearSystem
 from radmpc.model.relations.goals import places_of, same_goal
 from radmpc.planners import assignment
 from radmpc.planners.assignment import least_costs
 
 ENDS = ([8.0, 6.0], [8.0, 0.0], [8.0, 3.0], [2.0, 9.0])
+
+FAR = [{"center": end, "half_width": 0.5, "speed": None} for end in (*ENDS[:3], [90.0, 0.0])]
 
 
 def sharing(count: int = 3, goals: int = 3, horizon: int = 5) -> Scenario:
@@ -130,9 +133,30 @@ def test_files_assign_vehicles_own_goals_or_a_list() -> None:
         ({"assign": True, "goals": [{"center": [1, 1]}] * 3}, r"^vehicles\[0\]\.goal: must be one"),
         ({"assign": True, "goals": [{"center": [1]}]}, r"^goals\[0\]"),
         ({"assign": 1}, r"^assign: "),
+        (
+            {"assign": True, "workspace": {"min": [0, 0], "max": [9, 7]}, "goals": FAR},
+            r"^goals\[3\]: must touch the workspace \[0\.0, 0\.0\] to \[9\.0, 7\.0\], got ",
+        ),
     ],
 )
 def test_wrong_goals_are_refused_with_their_place(keys: dict[str, object], message: str) -> None:
     data = to_dict(replace(sharing(), goals=()))
     with pytest.raises(ScenarioError, match=message):
         from_dict({**data, **keys})
+
+
+def test_a_goal_with_a_speed_is_for_vehicles_that_have_one() -> None:
+    given = sharing(2, 2)
+    eye = np.eye(2)
+    drifter = replace(
+        given.vehicles[0],
+        system=LinearSystem(eye, eye, (0, 1), None),
+        start=[0.0, 0.0],
+        goal=Goal.at(ENDS[0], 0.5, None),
+        initial_covariance=0.0,
+        disturbance_covariance=0.0,
+        gain=None,
+    )
+    goals = [drifter.goal, given.goals[1]]
+    with pytest.raises(ScenarioError, match=r"^goals\[1\]\.speed: the dynamics of 'a', who might"):
+        replace(given, vehicles=(drifter, given.vehicles[1]), goals=goals)

@@ -59,7 +59,8 @@ class LongMission:
     NoPlanError
         If there is no guide, or no first window.
     ScenarioError
-        If vehicles have visits or windows of arrival, or a mission does not take the scenario.
+        If vehicles have visits or windows of arrival, or goals to choose from, or a mission does
+        not take the scenario.
     """
 
     def __init__(
@@ -74,7 +75,7 @@ class LongMission:
         **options: Any,
     ) -> None:
         check_scenario(scenario)
-        _check_visits(scenario)
+        _check_goals(scenario)
         check_integer(window, "window", 2)
         check_integer(overlap, "overlap", 1)
         if overlap >= window:
@@ -223,8 +224,11 @@ class LongMission:
         self._seen = len(self._mission.account)
 
 
-def _check_visits(scenario: Scenario) -> None:
-    """Refuse visits and windows of arrival: they are due at steps that no window knows of."""
+def _check_goals(scenario: Scenario) -> None:
+    """Refuse visits and windows of arrival, due at steps that no window knows of; shared goals."""
+    if scenario.goals:
+        message = "are to be assigned: no window knows of them; give each vehicle one of its own"
+        raise ScenarioError(message, ("goals",))
     for i, vehicle in enumerate(scenario.vehicles):
         if vehicle.via or vehicle.goal.within is not None:
             key = "via" if vehicle.via else "goal"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from graphlib import CycleError, TopologicalSorter
+from itertools import pairwise
 
 import numpy as np
 
@@ -100,8 +102,9 @@ def encode_shared(vehicles: Sequence[Vehicle], dt: float) -> list[dict[str, obje
         for part in vehicle.shared:
             sources.setdefault(part.name, part)
     entries = []
-    for name, source in sources.items():
+    for name in _in_order(vehicles, sources):
         rows: dict[str, object] = {}
+        source = sources[name]
         for vehicle in vehicles:
             own = [part.matrix.tolist() for part in vehicle.shared if part.name == name]
             rows[vehicle.name] = own[0] if own else None
@@ -115,3 +118,15 @@ def encode_shared(vehicles: Sequence[Vehicle], dt: float) -> list[dict[str, obje
             entry |= encode_correlation(source.correlation, dt)
         entries.append({**entry, "on": rows})
     return entries
+
+
+def _in_order(vehicles: Sequence[Vehicle], names: Iterable[str]) -> list[str]:
+    """Return sources as every vehicle has its own, if all agree: sums add up in that order."""
+    sorter: TopologicalSorter[str] = TopologicalSorter({name: () for name in names})
+    for vehicle in vehicles:
+        for before, name in pairwise(part.name for part in vehicle.shared):
+            sorter.add(name, before)
+    try:
+        return list(sorter.static_order())
+    except CycleError:
+        return list(names)

@@ -7,6 +7,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.spread import Noise, chain_of, known_rows, learning
+from radmpc.model.noise.unlearned import unlearned
 from radmpc.records import dataclass
 
 __all__ = ["Learning", "learning_of"]
@@ -87,13 +88,13 @@ def learning_of(system: LinearSystem, noise: Noise, horizon: int) -> Learning:
         else:
             seen, gained = learning(sensor, ahead)
             learned = gained @ seen
-        left = ahead - learned
+        left = unlearned(ahead, learned)
         if exact:
             # To the last digit: rounding is not learned of.
             left[:n] = left[:, :n] = 0.0
         gains.append(gained[rows])
         told.append(learned[:n, :n])
-        unknown.append(0.5 * (left + left.T))
+        unknown.append(left)
         ahead = chain.free @ unknown[-1] @ chain.free.T + chain.fresh
         ahead = 0.5 * (ahead + ahead.T)
     return Learning(tuple(gains), tuple(unknown), tuple(told))

@@ -19,6 +19,7 @@ from radmpc.model.noise.fleet_chain import Shaken, fleet_chain
 from radmpc.model.noise.known import Known
 from radmpc.model.noise.shared import lasting_parts
 from radmpc.model.noise.spread import Noise
+from radmpc.model.noise.unlearned import surprised, unlearned
 from radmpc.records import dataclass
 
 __all__ = ["FleetLearning", "fleet_learning", "tied"]
@@ -169,13 +170,13 @@ def fleet_learning(vehicles: tuple[Shaken, ...], horizon: int) -> FleetLearning 
     for k in range(horizon + 1):
         sees, errors = _told(chosen, own, k)
         crossed = ahead[:, :seen] @ sees.T
-        told.append(sees @ crossed[:seen] + errors)
+        told.append(surprised(sees, ahead[:seen, :seen], errors))
         gain = crossed @ _inverse(told[-1])
-        left = ahead - gain @ crossed.T
+        left = unlearned(ahead, gain @ crossed.T)
         # To the last digit: rounding is not learned of.
         left[exact] = left[:, exact] = 0.0
         gains.append(gain)
-        unknown.append(0.5 * (left + left.T))
+        unknown.append(left)
         ahead = chain.free @ unknown[-1] @ chain.free.T + chain.fresh
         ahead = 0.5 * (ahead + ahead.T)
     return FleetLearning(members, chain.rows, tuple(gains), tuple(unknown), tuple(told))

@@ -19,6 +19,7 @@ from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.noise.spread import Chain, Noise, chain_of, known_rows, learning, stacked
+from radmpc.model.noise.unlearned import unlearned
 from radmpc.records import dataclass
 
 __all__ = ["Response", "response_of"]
@@ -141,6 +142,6 @@ def _learned(chain: Chain, noise: Noise, horizon: int) -> list[Matrix]:
         whole = np.zeros_like(ahead)
         whole[:, :n] = gained @ noise.measurement.matrix
         found.append(whole)
-        left = chain.free @ (ahead - gained @ seen) @ chain.free.T
+        left = chain.free @ unlearned(ahead, gained @ seen) @ chain.free.T
         ahead = 0.5 * (left + left.T) + chain.fresh
     return found

@@ -25,6 +25,7 @@ from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.measurement import Measurement
 from radmpc.model.noise.shared import SharedDisturbance
+from radmpc.model.noise.unlearned import surprised, unlearned
 from radmpc.records import dataclass
 
 if TYPE_CHECKING:
@@ -260,7 +261,7 @@ def spread_of(system: LinearSystem, noise: Noise, gain: Matrix | None, horizon: 
         else:
             seen, gained = learning(noise.measurement, ahead)
             learned = gained @ seen
-        unknown[k] = _even(ahead - learned)
+        unknown[k] = unlearned(ahead, learned)
         known[k] = _even(before + learned)
         before = loop @ known[k] @ loop.T
         ahead = _even(chain.free @ unknown[k] @ chain.free.T + chain.fresh)
@@ -284,7 +285,7 @@ def learning(measurement: Measurement, covariance: Matrix) -> tuple[Matrix, Matr
     """
     n = measurement.matrix.shape[1]
     seen = measurement.matrix @ covariance[:n]
-    surprise = _even(seen[:, :n] @ measurement.matrix.T + measurement.covariance)
+    surprise = surprised(measurement.matrix, covariance[:n, :n], measurement.covariance)
     return seen, np.asarray(seen.T @ np.linalg.pinv(surprise, _SINGULAR, hermitian=True))
 
 

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from radmpc.errors import ScenarioError
 from radmpc.model.goal import Goal
+
+if TYPE_CHECKING:
+    from radmpc.model.vehicle import Vehicle
+    from radmpc.model.workspace import Workspace
 
 __all__ = ["check_goals", "places_of", "same_goal"]
 
@@ -50,42 +55,68 @@ def places_of(goals: Sequence[Goal], taken: Sequence[Goal]) -> tuple[int | None,
     return tuple(places)
 
 
-def check_goals(goals: Sequence[Goal], taken: Sequence[Goal], horizon: int) -> None:
-    """Check that every vehicle has one of the goals that are shared, whose windows fit.
+def check_goals(
+    goals: Sequence[Goal],
+    vehicles: Sequence[Vehicle],
+    horizon: int,
+    workspace: Workspace | None = None,
+) -> None:
+    """Check that every vehicle has one of the goals that are shared, and might have any of them.
 
     Parameters
     ----------
     goals : sequence of Goal
         To choose from.
-    taken : sequence of Goal
-        One per vehicle.
+    vehicles : sequence of Vehicle
+        Who has one each.
     horizon : int
         Number of steps T.
+    workspace : Workspace or None
+        None is unbounded.
 
     Raises
     ------
     ScenarioError
-        With the first that has none.
+        With the first that has none, or that somebody cannot have.
     """
-    if len(goals) < len(taken):
+    if len(goals) < len(vehicles):
         raise ScenarioError(
-            f"must be as many as vehicles at least, {len(taken)}, got {len(goals)}", ("goals",)
+            f"must be as many as vehicles at least, {len(vehicles)}, got {len(goals)}", ("goals",)
         )
+    speedless = next((v.name for v in vehicles if v.system.velocity is None), None)
     for k, goal in enumerate(goals):
-        if goal.lower.size != taken[0].lower.size:
+        _check_goal(goal, k, (vehicles[0].system.dimension, horizon), workspace)
+        if goal.speed is not None and speedless is not None:
             raise ScenarioError(
-                f"must have {taken[0].lower.size} coordinates like the others, "
-                f"got {goal.lower.size}",
-                ("goals", k),
+                f"the dynamics of {speedless!r}, who might go there, have no velocity",
+                ("goals", k, "speed"),
             )
-        if goal.within is not None and goal.within[1] > horizon:
-            raise ScenarioError(
-                f"must end at the horizon of {horizon} steps at the latest, got {goal.within[1]}",
-                ("goals", k, "within"),
-            )
-    places = places_of(goals, taken)
+    places = places_of(goals, [vehicle.goal for vehicle in vehicles])
     if None in places:
         raise ScenarioError(
             "must be one of the goals that are shared, and of no other vehicle",
             ("vehicles", places.index(None), "goal"),
+        )
+
+
+def _check_goal(goal: Goal, k: int, sizes: tuple[int, int], workspace: Workspace | None) -> None:
+    """Check one of the goals against coordinates and steps, and the workspace."""
+    d, horizon = sizes
+    if goal.lower.size != d:
+        raise ScenarioError(
+            f"must have {d} coordinates like the others, got {goal.lower.size}", ("goals", k)
+        )
+    if goal.within is not None and goal.within[1] > horizon:
+        raise ScenarioError(
+            f"must end at the horizon of {horizon} steps at the latest, got {goal.within[1]}",
+            ("goals", k, "within"),
+        )
+    if workspace is None:
+        return
+    low, high = workspace.lower, workspace.upper
+    if np.any(goal.lower > high) or np.any(goal.upper < low):
+        raise ScenarioError(
+            f"must touch the workspace {low.tolist()} to {high.tolist()}, "
+            f"got {goal.lower.tolist()} to {goal.upper.tolist()}",
+            ("goals", k),
         )
