@@ -123,6 +123,26 @@ def test_paths_that_hardly_moved_need_no_second_look(
         np.testing.assert_array_equal(ours, theirs)
 
 
+def test_a_grant_that_no_plan_keeps_leaves_no_price_that_later_plans_suffer_from(
+    plan: Plan,
+) -> None:
+    controls = tuple(path.controls for path in plan.trajectories)
+    states = [v.start for v in plan.scenario.vehicles]
+
+    def effort(search: WarmSearch, grant: float) -> float:
+        found = search.search(Try(left_of(plan.scenario, 0, states, grant), controls, False, never))
+        assert found is not None
+        return sum(float(np.abs(u).sum()) for u in found[0])
+
+    search, other = WarmSearch(plan.scenario), WarmSearch(plan.scenario)
+    usual = [effort(search, 0.05) for _ in range(4)][-1]
+    for _ in range(4):
+        effort(other, 0.05)
+    for _ in range(3):
+        effort(other, 1e-12)
+    assert effort(other, 0.05) < 1.02 * usual
+
+
 def price_of(left: Scenario, controls: tuple[np.ndarray, ...]) -> float:
     return leg_of(left, controls, 0).price
 

@@ -154,8 +154,9 @@ class WarmSearch:
         """Turn half-spaces at a price that follows the risk, until that is what is allowed."""
         grant = asked.left.risk_bound
         cost = max(successive.paths.cost(), TUNING.least_cost)
-        price = self.price or TUNING.first_dear * cost / self._scenario.risk_bound
-        least, most = TUNING.cheapest * cost / grant, TUNING.safest * cost / grant
+        least, most = TUNING.cheapest * cost / grant, TUNING.dearest * cost / grant
+        # No price leads to what cannot be had: the next plan begins below what that came to.
+        price = min(self.price or TUNING.first_dear * cost / self._scenario.risk_bound, most)
         for _ in range(TUNING.rounds):
             if not self._turn(successive, asked, price):
                 return False

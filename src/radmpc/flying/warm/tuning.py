@@ -31,8 +31,14 @@ class Tuning:
         Power of the ratio of price and grant that the price of risk follows [-].
     first_dear : float
         Price of risk at the first tick: this multiple of what flying costs per Δ [-].
-    cheapest, safest : float
-        The same at least, and where the least risk is asked for, which is the most [-].
+    cheapest, dearest : float
+        What flying costs per grant: the price of risk is this multiple of it at least and at most
+        [-]. Above 10 it took steps to come back down from where goals could not be reached within
+        the grant: `paper(8)` without feedback, four times its deviations, flew at 45.8 instead of
+        41.8 with ten thousand, 42.8 with a hundred, 41.7 with 5; `paper(4)`, `circle(4)` and all
+        with feedback alike.
+    safest : float
+        Where the least risk is asked for [-].
     first_ratio, ratios : float, tuple of float
         Certificate per risk of the half-spaces: before any is known, least and most believed [-].
     least_cost : float
@@ -48,6 +54,7 @@ class Tuning:
     damping: float = 0.8
     first_dear: float = 1.0
     cheapest: float = 1e-2
+    dearest: float = 10.0
     safest: float = 1e4
     first_ratio: float = 0.8
     ratios: tuple[float, float] = (0.02, 2.0)
