@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from radmpc.experiments.families import fleet
+from radmpc.experiments.families import circle, fleet
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.certified import certified
+from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.large.idle import not_idle
 from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Turning
+from radmpc.planners.certified.within_budget import WithinBudget
 from radmpc.planners.verdict import Verdict
+from radmpc.planning import plan
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits, never
@@ -143,3 +150,20 @@ def test_who_neither_goes_out_of_the_way_nor_risks_anything_is_idle() -> None:
     assert not_idle(hazards, far, (0.0, 0.0), 10.0, 1e-3) == {0}
     # Risk that costs nothing is nothing to gain by.
     assert not_idle(hazards, close, (0.3, 0.0), 0.0, 1e-3) == frozenset()
+
+
+@pytest.mark.slow
+def test_sets_of_a_large_fleet_are_not_searched_within_a_budget(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    searched: list[int] = []
+
+    def counted(within: WithinBudget, state: SearchState) -> SearchState:
+        searched.append(within.fleet.scenario.num_vehicles)
+        return close_gap(within, state)
+
+    monkeypatch.setattr(certified, "close_gap", counted)
+    for scenario in (replace(circle(3), avoidance="intervals"), fleet(49, 0)):
+        found = plan(scenario, "certified(0)", rng=0, time_limit=20.0)
+        assert found.plan is not None
+    assert searched == [3]

@@ -92,7 +92,8 @@ class Certified(Decomposition):
         if result.is_closed:
             run.found(first.cost, _finite(result.on_any))
             return _draft(fleet, state, result, begun, result.on_any)
-        if state.has_plan:
+        # In a large fleet turning gains more, and a search tree is kept for each of its sets.
+        if state.has_plan and not fleet.is_large:
             state = close_gap(result.search.within, state)
         cost = min(first.cost, state.incumbent.cost)
         run.found(cost, _finite(min(reported_bound(fleet, state, planner.gap), cost)))

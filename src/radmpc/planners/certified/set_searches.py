@@ -172,7 +172,8 @@ def _bounds_of_parts(parts: _Parts, members: Members) -> tuple[SetBound, ...]:
 
 def _bound_alone(fleet: Fleet, members: Members) -> tuple[SetBound, ...]:
     """Return what a single vehicle costs in empty space, where its program does not say so."""
-    if len(members) > 1 or not fleet.scenario.has_windows:
+    vehicle = fleet.scenario.vehicles[members[0]]
+    if len(members) > 1 or not (vehicle.via or vehicle.goal.within is not None):
         return ()
     return (SetBound(frozenset({0}), fleet.base[members[0]]),)
 
