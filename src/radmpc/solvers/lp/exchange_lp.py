@@ -22,7 +22,7 @@ cycle. No solve that ended needed a tenth of it."""
 
 
 class ExchangeLp:
-    """Columns and rows that stay, then those that `exchange` puts in the place of the last.
+    """Columns and rows that stay, then those that are added for a solve and dropped after it.
 
     Attributes
     ----------
@@ -99,24 +99,8 @@ class ExchangeLp:
         """
         self._highs.changeRowsBounds(lower.size, numbers.astype(np.int32), lower, upper)
 
-    def exchange_columns(self, cost: Vector, upper: Vector) -> int:
-        """Put columns, at least 0, in the place of all that were exchanged before, rows dropped.
-
-        Parameters
-        ----------
-        cost, upper : (n,) array
-            Costs and upper bounds, inf where there is none.
-
-        Returns
-        -------
-        int
-            The number of the first.
-        """
-        self.drop()
-        return self.extend_columns(cost, upper)
-
     def extend_columns(self, cost: Vector, upper: Vector) -> int:
-        """Append columns, at least 0, to those that were exchanged last, rows kept.
+        """Append columns, at least 0, that stay until the next `drop`.
 
         Parameters
         ----------
@@ -132,8 +116,8 @@ class ExchangeLp:
         self._exchanged_columns += cost.size
         return first
 
-    def exchange_rows(self, matrix: csr_array, lower: Vector) -> None:
-        """Append rows without upper bounds, until the next exchange of columns.
+    def extend_rows(self, matrix: csr_array, lower: Vector) -> None:
+        """Append rows without upper bounds that stay until the next `drop`.
 
         Parameters
         ----------

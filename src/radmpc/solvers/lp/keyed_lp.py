@@ -135,7 +135,8 @@ class KeyedLp(ExchangeLp):
             What they are.
         """
         count, free = exchanged.lower.size, np.full(exchanged.cost.size, np.inf)
-        self.exchange_columns(exchanged.cost, free)
+        self.drop()
+        self.extend_columns(exchanged.cost, free)
         starts, columns = exchanged.starts.astype(np.int32), exchanged.columns.astype(np.int32)
         values, upper = exchanged.values, np.full(count, np.inf)
         self._highs.addRows(count, exchanged.lower, upper, values.size, starts, columns, values)

@@ -189,7 +189,7 @@ class GroupLp:
         first = self._lp.extend_columns(prices[:, used].ravel(), lengths[:, used].ravel())
         rights = spaces.offsets + margins.room
         laid_out = self._rows(spaces, paths), first
-        self._lp.exchange_rows(*self._entries(spaces, paths, rights, laid_out))
+        self._lp.extend_rows(*self._entries(spaces, paths, rights, laid_out))
         return first, margins
 
     def _missed(
