@@ -1,13 +1,20 @@
-"""Long lists of cases: every check runs a sample, `make nightly` all of them."""
+"""Long lists of cases, of which every check runs a sample; and what makes tests quick."""
 
 from __future__ import annotations
 
+import functools
 import gc
 from collections.abc import Iterator
 
 import pytest
+import typer.testing
 
 from sampling import IS_THOROUGH, SEED, drawn
+
+
+def pytest_configure() -> None:
+    """Build the command line once: it holds nothing of a run, and takes as long as a short one."""
+    typer.testing._get_command = functools.cache(typer.testing._get_command)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -27,7 +34,7 @@ def pytest_collection() -> Iterator[object]:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what is marked nightly, and of `sampled` lists all cases but a sample."""
+    """Leave out what is marked nightly, and of `sampled` lists all but a sample; order the rest."""
     # Whoever names a case wants it run.
     if IS_THOROUGH or any("::" in word for word in config.args):
         return
@@ -41,7 +48,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             sample and item.nodeid not in drawn(cases, sample.args[0], SEED)
         )
         (left if is_left else kept).append(item)
-    items[:] = kept
+    # What waits begins, beside all that a check does besides.
+    items[:] = sorted(kept, key=lambda item: item.get_closest_marker("waits") is None)
     config.hook.pytest_deselected(items=left)
 
 

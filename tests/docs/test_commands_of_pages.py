@@ -58,10 +58,11 @@ def test_the_commands_of_a_page_do_what_they_should(page: Path, workbench: Path)
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_options_named_in_the_text_exist(page: Path) -> None:
-    names = set(typer.main.get_command(app).commands)
+    group = typer.main.get_command(app)
+    names = set(group.commands)
     for quoted in QUOTED.findall(page.read_text(encoding="utf-8")):
         _, *words = quoted.split()
-        command = typer.main.get_command(app)
+        command = group
         if words[0] in names:
             command = command.commands[words[0]]
         known = {option for param in command.params for option in param.opts} | {"--help"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -19,6 +19,7 @@ FILES = [
     if file.name
     not in {"cli.py", "flying_commands.py", "serving_commands.py"}  # what users read as help
 ]
+FOLDERS = sorted({file.parent for file in FILES})
 TUNED = [file for file in FILES if file.stem.endswith("tuning")]
 NUMBER = re.compile(r"[-\d.e_+*/ ()]+")
 
@@ -110,14 +111,21 @@ def bare_constants(source: str) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
-def test_docstrings_explain_every_parameter_and_attribute(file: Path) -> None:
-    assert not gaps(file.read_text(encoding="utf-8"))
+def found_in(folder: Path, look: Callable[[str], list[str]]) -> dict[str, list[str]]:
+    """What is found in the files of a folder, by name."""
+    files = [file for file in FILES if file.parent == folder]
+    found = {file.name: look(file.read_text(encoding="utf-8")) for file in files}
+    return {name: wrong for name, wrong in found.items() if wrong}
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
-def test_numbers_of_a_file_say_what_they_do(file: Path) -> None:
-    assert not bare_constants(file.read_text(encoding="utf-8"))
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: str(folder.relative_to(PACKAGE)))
+def test_docstrings_explain_every_parameter_and_attribute(folder: Path) -> None:
+    assert not found_in(folder, gaps)
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: str(folder.relative_to(PACKAGE)))
+def test_numbers_say_what_they_do(folder: Path) -> None:
+    assert not found_in(folder, bare_constants)
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,8 @@ from radmpc.simulators import mavlink
 from radmpc.simulators.link import LinkError
 from radmpc.simulators.mavlink import Mavlink
 
+pytestmark = pytest.mark.waits
+
 AIR = sea(dt=0.4, horizon=4)
 ARM, MODE = common.MAV_CMD_COMPONENT_ARM_DISARM, common.MAV_CMD_DO_SET_MODE
 HOLD = (4, 3)

@@ -12,7 +12,7 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import steps_visited
 from radmpc.referee.visits import arrival_step
 
-__all__ = ["still_due"]
+__all__ = ["still_due", "still_to_do"]
 
 
 def still_due(left: Scenario, leg: Leg, step: int) -> Scenario:
@@ -42,12 +42,43 @@ def still_due(left: Scenario, leg: Leg, step: int) -> Scenario:
     return changed(left, vehicles=tuple(vehicles))
 
 
+def still_to_do(leg: Leg, step: int) -> tuple[tuple[int, ...], tuple[bool, ...]]:
+    """Return how many visits of a leg are left to each vehicle, and whether it has arrived.
+
+    Parameters
+    ----------
+    leg : Leg
+        In the air.
+    step : int
+        Of the mission.
+
+    Returns
+    -------
+    tuple of int, tuple of bool
+        Only a goal with a window counts as one to arrive at.
+    """
+    visits, arrivals = [], []
+    for vehicle, states in zip(
+        leg.plan.scenario.vehicles, leg.witnesses.motion.states, strict=True
+    ):
+        passed = step - leg.began
+        visits.append(len(vehicle.via) - _num_made(vehicle, states, passed))
+        is_timed = vehicle.goal.within is not None
+        arrivals.append(is_timed and arrival_step(vehicle, states) <= passed)
+    return tuple(visits), tuple(arrivals)
+
+
+def _num_made(vehicle: Vehicle, states: Matrix, passed: int) -> int:
+    """Return how many visits a vehicle's mean has made after some steps."""
+    system = vehicle.system
+    speeds = None if system.velocity is None else states[:, list(system.velocity)]
+    made = steps_visited(vehicle.via, states[:, list(system.position)], speeds)
+    return sum(each <= passed for each in made)
+
+
 def _with_rest(vehicle: Vehicle, begun: Vehicle, states: Matrix, passed: int) -> Vehicle:
     """Return a vehicle with what its mean has not done of what was due when the leg began."""
-    system, goal = begun.system, begun.goal
-    speeds = None if system.velocity is None else states[:, list(system.velocity)]
-    made = steps_visited(begun.via, states[:, list(system.position)], speeds)
-    done = sum(each <= passed for each in made)
+    goal, done = begun.goal, _num_made(begun, states, passed)
     via = tuple(changed(visit, between=_later(visit.between, passed)) for visit in begun.via[done:])
     if goal.within is not None:
         has_arrived = arrival_step(begun, states) <= passed

@@ -128,6 +128,9 @@ def _center(ax: Axes3D) -> None:
     """Zoom and move axes in space until what is drawn fills the room they had."""
     room, zoom = room_of(ax), ZOOM
     root = ax.get_figure(root=True)
+    others = [artist for artist in root.get_children() if artist is not ax and artist.get_visible()]
+    for artist in others:  # what is drawn beside takes the time, and says nothing
+        artist.set_visible(False)
     for _ in range(3):  # texts keep their size, so that one step does not do
         root.draw_without_rendering()  # which places the labels
         drawn = drawn_box(ax)
@@ -139,3 +142,5 @@ def _center(ax: Axes3D) -> None:
         up = 0.5 * (room.y0 + room.y1 - drawn.y0 - drawn.y1)
         moved = where.translated(right, up)
         ax.set_position(moved.transformed(root.transFigure.inverted()))
+    for artist in others:
+        artist.set_visible(True)

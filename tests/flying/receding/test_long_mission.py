@@ -14,7 +14,7 @@ from radmpc.experiments.families import paper
 from radmpc.flying.flight import fly
 from radmpc.flying.leg import leg_of
 from radmpc.flying.model import Model
-from radmpc.flying.receding.guide import Guide, coarse_guide, until
+from radmpc.flying.receding.itinerary import Guide, Itinerary
 from radmpc.flying.receding.long_mission import LongMission
 from radmpc.flying.receding.reserve import Reserve
 from radmpc.flying.remainder import left_of
@@ -159,14 +159,15 @@ def test_windows_see_obstacles_as_they_are_by_then() -> None:
     outlines = [[[k, 9.0], [k + 1.0, 9.0], [k, 10.0]] for k in range(25)]
     scenario = replace(far(), obstacles=(Obstacle.moving("ferry", outlines),))
     states = tuple(v.start for v in scenario.vehicles)
-    ahead = until(scenario, 14, straight(scenario))
+    itinerary = Itinerary.given(scenario, straight(scenario))
+    ahead = itinerary.until(14)
     scene = left_of(ahead, 6, states, 0.01)
     assert scene.horizon == 8
     assert scene.obstacles[0].at(0)[0].vertices.min() == pytest.approx(6.0)
     assert len(scene.obstacles[0].shape.outlines) == 9
     assert not scene.vehicles[0].initial_covariance.any()
-    last = until(scenario, 24, straight(scenario))
-    assert last.vehicles[0].goal is scenario.vehicles[0].goal
+    goal, mine = itinerary.until(24).vehicles[0].goal, scenario.vehicles[0].goal
+    np.testing.assert_array_equal([goal.lower, goal.upper], [mine.lower, mine.upper])
 
 
 @pytest.mark.slow
@@ -176,7 +177,7 @@ def test_a_guide_leads_around_what_is_in_the_way() -> None:
     middle = 0.5 * (vehicle.start[:2] + vehicle.goal.center)
     block = Obstacle.box("block", middle - 1.5, middle + 1.5)
     scenario = replace(scenario, obstacles=(block,))
-    guide = coarse_guide(scenario, 8)
+    guide = Itinerary.planned(scenario, 8).guide
     places = np.array([guide(step)[0].center for step in range(20)])
     outside = np.maximum(np.abs(places - middle) - 1.5, 0.0)
     assert np.linalg.norm(outside, axis=1).min() > vehicle.radius

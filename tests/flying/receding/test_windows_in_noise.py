@@ -18,13 +18,12 @@ from noisy_scenes import (
 from test_flown_noise import waiting
 
 from radmpc import lqr_gain
-from radmpc.errors import ScenarioError
 from radmpc.experiments.families import paper
 from radmpc.flying.flight import Flight, fly
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
 from radmpc.flying.receding import long_mission
-from radmpc.flying.receding.guide import coarse_guide
+from radmpc.flying.receding.itinerary import Itinerary
 from radmpc.flying.receding.long_mission import LongMission
 from radmpc.flying.receding.window import Window
 from radmpc.flying.sensing.observing import Observer
@@ -34,7 +33,6 @@ from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
-from radmpc.model.visits import Visit
 from radmpc.referee.conditional.scales import Scale
 
 STEPS, BEGINS = 5, 2
@@ -163,22 +161,6 @@ def test_a_window_that_forgets_is_found_out(scene, mutant, monkeypatch) -> None:
     assert apart(flight, within_one) > 1e-4
 
 
-def test_visits_are_refused_in_one_line() -> None:
-    scenario = steered(estimated)
-    visit = Visit([-1.0, 1.0], [1.0, 3.0])
-    vehicles = (replace(scenario.vehicles[0], via=(visit,)),)
-    with pytest.raises(ScenarioError, match="'v' has visits") as caught:
-        LongMission(replace(scenario, vehicles=vehicles), window=2, overlap=1)
-    assert caught.value.path == ("vehicles", 0, "via")
-
-
-def test_goals_to_choose_from_are_refused_in_one_line() -> None:
-    scenario = steered(estimated)
-    shared = replace(scenario, goals=tuple(v.goal for v in scenario.vehicles))
-    with pytest.raises(ScenarioError, match="goals: are to be assigned: no window knows of them"):
-        LongMission(shared, window=2, overlap=1)
-
-
 def crossing() -> Scenario:
     """Return a boat in a gust that goes by a freighter, and knows neither place exactly."""
     [vehicle] = paper(1, 1).vehicles
@@ -213,7 +195,7 @@ def test_windows_lead_a_boat_in_a_gust_past_who_strays() -> None:
 @pytest.mark.slow
 def test_a_guide_keeps_off_where_somebody_may_stray_to() -> None:
     scenario = crossing()
-    guide = coarse_guide(scenario, 6)
+    guide = Itinerary.planned(scenario, 6).guide
     [freighter] = scenario.obstacles
     assert freighter.spread is not None
     for step in range(13):

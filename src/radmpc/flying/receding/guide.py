@@ -1,28 +1,27 @@
-"""Where vehicles are to be at the ends of windows: a plan of the whole mission in coarse steps."""
+"""A plan of the whole mission in coarse steps, noise aside: what windows are led by."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Matrix
 from radmpc.errors import NoPlanError
-from radmpc.flying.remainder import changed
 from radmpc.model.dynamics import LinearSystem, rollout
 from radmpc.model.goal import Goal
-from radmpc.model.obstacle import MovingShape, Obstacle
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Plan
 from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.model.visits import steps_of_visits
 from radmpc.planning import plan
+from radmpc.records import dataclass
 
-__all__ = ["Guide", "coarse_guide", "until"]
-
-Guide = Callable[[int], Sequence[Goal]]
-"""From a step of the mission to where every vehicle is to be by then."""
+__all__ = ["CoarsePlan", "coarse_plan"]
 
 _COARSE = 12
 """Coarse steps that a mission is cut into at most [-]: programs of so many are planned in about a
@@ -34,12 +33,41 @@ _CLEARANCE = 2.0
 _SECONDS = 20.0
 """What one coarse plan may take [s]."""
 
-_EASE = 1.05
-"""What a window may be faster than the guide at its end [-]: paths deviate from it."""
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoarsePlan:
+    """A plan in steps of several of the mission's.
+
+    Attributes
+    ----------
+    plan : Plan
+        In coarse steps; goals that vehicles share are assigned.
+    stride : int
+        Steps of the mission in a coarse one.
+    states : tuple of (T+1, n) array
+        Of each vehicle, at the steps of the mission.
+    """
+
+    plan: Plan
+    stride: int
+    states: tuple[Matrix, ...]
+
+    def goal(self, goals: Sequence[Goal], vehicle: int) -> Goal:
+        """Return which of the mission's goals a vehicle was assigned.
+
+        Parameters
+        ----------
+        goals : sequence of Goal
+            That vehicles share.
+        vehicle : int
+            Its number.
+        """
+        mine = self.plan.scenario.vehicles[vehicle].goal
+        return next(g for g in goals if _are_same(mine, _goal_in_steps(g, self.stride)))
 
 
-def coarse_guide(scenario: Scenario, window: int) -> Guide:
-    """Return a guide along a plan in coarse steps, noise aside.
+def coarse_plan(scenario: Scenario, window: int) -> CoarsePlan:
+    """Return a plan of a mission in as coarse steps as there is one.
 
     Parameters
     ----------
@@ -48,72 +76,54 @@ def coarse_guide(scenario: Scenario, window: int) -> Guide:
     window : int
         Steps of a window: deviations are those at its end.
 
-    Returns
-    -------
-    callable
-        A step's goals: boxes of the vehicle's radius around the guide, its speed there.
-
     Raises
     ------
     NoPlanError
-        If there is no coarse plan.
+        If there is none.
     """
-    paths = _coarse_paths(scenario, min(window, scenario.horizon))
-
-    def goals(step: int) -> list[Goal]:
-        if step >= scenario.horizon:
-            return [v.goal for v in scenario.vehicles]
-        pairs = zip(scenario.vehicles, paths, strict=True)
-        return [_goal_at(vehicle, path[step]) for vehicle, path in pairs]
-
-    return goals
-
-
-def _coarse_paths(scenario: Scenario, window: int) -> list[Matrix]:
-    """Return the states at all steps of a plan in as coarse steps as there is one."""
-    most = -(-scenario.horizon // _COARSE)
+    window, most = min(window, scenario.horizon), -(-scenario.horizon // _COARSE)
     strides = [s for s in range(1, 2 * most) if scenario.horizon % s == 0]
     for stride in reversed(strides):
+        if not all(_has_steps(v, stride, scenario.horizon) for v in scenario.vehicles):
+            continue
         found = plan(_coarsened(scenario, stride, window), rng=0, time_limit=_SECONDS).plan
         if found is not None:
-            return [
+            states = (
                 rollout(v.system, v.start, np.repeat(path.controls, stride, axis=0), v.drift)
                 for v, path in zip(scenario.vehicles, found.trajectories, strict=True)
-            ]
+            )
+            return CoarsePlan(found, stride, tuple(states))
     raise NoPlanError(
         f"no guide for the mission of {scenario.horizon} steps was found in steps of "
         f"{most * scenario.dt:g} s or less; give one"
     )
 
 
-def until(scenario: Scenario, end: int, guide: Guide) -> Scenario:
-    """Return a mission up to a step, toward where the guide leads there.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The whole mission.
-    end : int
-        The last step, at most its horizon.
-    guide : callable
-        Where vehicles are to be by then.
-    """
-    pairs = zip(scenario.vehicles, guide(end), strict=True)
-    vehicles = tuple(changed(vehicle, goal=goal) for vehicle, goal in pairs)
-    obstacles = tuple(_until(obstacle, end) for obstacle in scenario.obstacles)
-    return changed(scenario, horizon=end, vehicles=vehicles, obstacles=obstacles)
+def _has_steps(vehicle: Vehicle, stride: int, horizon: int) -> bool:
+    """Whether windows of visits and arrival hold coarse steps, one after the other."""
+    coarse = [_in_steps(visit.window(horizon), stride) for visit in vehicle.via]
+    arrival = _in_steps(vehicle.goal.window(horizon), stride)
+    if any(first > last for first, last in [*coarse, arrival]):
+        return False
+    visits = [replace(v, between=steps) for v, steps in zip(vehicle.via, coarse, strict=True)]
+    return all(first <= last for first, last in steps_of_visits(visits, horizon // stride))
 
 
-def _until(obstacle: Obstacle, end: int) -> Obstacle:
-    """Return an obstacle as far as a step."""
-    if not obstacle.is_moving:
-        return obstacle
-    shape, spread = obstacle.shape, obstacle.spread
-    if isinstance(shape, MovingShape):
-        shape = MovingShape(shape.outlines[: end + 1])
-    if spread is not None:
-        spread = spread.since(0, end)
-    return changed(obstacle, shape=shape, spread=spread, steps=obstacle.steps[: end + 1])
+def _in_steps(window: tuple[int, int], stride: int) -> tuple[int, int]:
+    """Return the coarse steps in a window; the last before the first where there is none."""
+    return max(-(-window[0] // stride), 1), window[1] // stride
+
+
+def _with_windows(vehicle: Vehicle, stride: int, horizon: int) -> Vehicle:
+    """Return a vehicle whose visits and arrival are due in coarse steps."""
+    via = tuple(replace(v, between=_in_steps(v.window(horizon), stride)) for v in vehicle.via)
+    goal = vehicle.goal
+    return replace(vehicle, via=via, goal=_goal_in_steps(goal, stride))
+
+
+def _goal_in_steps(goal: Goal, stride: int) -> Goal:
+    """Return a goal with its window in coarse steps."""
+    return goal if goal.within is None else replace(goal, within=_in_steps(goal.within, stride))
 
 
 def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
@@ -125,7 +135,7 @@ def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
         grown = v.radius + _CLEARANCE * float(np.sqrt(np.linalg.eigvalsh(spread)[-1]))
         vehicles.append(
             replace(
-                v,
+                _with_windows(v, stride, scenario.horizon),
                 system=_composed(v.system, stride),
                 radius=grown,
                 gain=None,
@@ -147,7 +157,14 @@ def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
         obstacles=tuple(_every(obstacle, stride) for obstacle in scenario.obstacles),
         avoidance="intervals" if stride > 1 else scenario.avoidance,
         covariance_samples=None,
+        goals=tuple(_goal_in_steps(goal, stride) for goal in scenario.goals),
     )
+
+
+def _are_same(one: Goal, other: Goal) -> bool:
+    """Whether nothing tells two goals apart."""
+    pairs = (one.lower, other.lower), (one.upper, other.upper), (one.speed, other.speed)
+    return one.within == other.within and all(np.array_equal(a, b) for a, b in pairs)  # type: ignore[arg-type]
 
 
 def _every(obstacle: Obstacle, stride: int) -> Obstacle:
@@ -179,14 +196,3 @@ def _summed(A: Matrix, stride: int) -> Matrix:
     """Return ``I + A + … + A^(stride − 1)``."""
     powers = [np.linalg.matrix_power(A, k) for k in range(stride)]
     return np.asarray(np.sum(powers, axis=0))
-
-
-def _goal_at(vehicle: Vehicle, state: Vector) -> Goal:
-    """Return a goal around a state on the way."""
-    system = vehicle.system
-    speed = None
-    if system.velocity is not None:
-        speed = _EASE * np.abs(state[list(system.velocity)]) + 1e-3
-        if vehicle.speed_limit is not None:
-            speed = np.minimum(speed, vehicle.speed_limit)
-    return Goal.at(state[list(system.position)], 0.5 * vehicle.radius, speed)

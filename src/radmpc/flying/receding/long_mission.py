@@ -8,10 +8,10 @@ from typing import Any
 
 from radmpc.arguments import check_integer
 from radmpc.arrays import Vector
-from radmpc.errors import ArgumentError, NoPlanError, ScenarioError
+from radmpc.errors import ArgumentError, NoPlanError
 from radmpc.flying.candidates import Order, Planning, answered, planning_with
 from radmpc.flying.measuring import measured
-from radmpc.flying.receding.guide import Guide, coarse_guide, until
+from radmpc.flying.receding.itinerary import Guide, Itinerary, Progress
 from radmpc.flying.receding.reserve import Reserve
 from radmpc.flying.receding.window import Handover, Window, scene_of
 from radmpc.flying.tick import Contact, Entry, Tick
@@ -44,7 +44,9 @@ class LongMission:
     overlap : int
         Steps left of a window from which on the next one is planned, at least 1.
     guide : callable or None
-        Where vehicles are to be at a step of the mission; None plans in coarse steps first.
+        Where vehicles are to be at a step of the mission; None plans in coarse steps first, visits
+        included, and assigns goals to choose from. With a guide, a visit is due by the last step
+        of its window.
     planner : str or callable
         What plans windows, and within them, as in `Mission`.
     seed : int
@@ -59,8 +61,7 @@ class LongMission:
     NoPlanError
         If there is no guide, or no first window.
     ScenarioError
-        If vehicles have visits or windows of arrival, or goals to choose from, or a mission does
-        not take the scenario.
+        If a guide is given for goals to choose from, or for visits without windows.
     """
 
     def __init__(
@@ -75,13 +76,18 @@ class LongMission:
         **options: Any,
     ) -> None:
         check_scenario(scenario)
-        _check_goals(scenario)
         check_integer(window, "window", 2)
         check_integer(overlap, "overlap", 1)
         if overlap >= window:
             raise ArgumentError(f"overlap must be below the window of {window}, got {overlap}")
-        self._scenario, self._window, self._overlap = scenario, window, overlap
-        self._guide = coarse_guide(scenario, window) if guide is None else guide
+        self._window, self._overlap = window, overlap
+        self._itinerary = (
+            Itinerary.planned(scenario, window)
+            if guide is None
+            else Itinerary.given(scenario, guide)
+        )
+        self._scenario = self._itinerary.scenario
+        self._asked = Progress.none(len(scenario.vehicles))
         self._planning = planning_with(planner, seed)
         self._options = {"planner": planner, "seed": seed, **options}
         self._ticks: list[Tick] = []
@@ -95,7 +101,7 @@ class LongMission:
 
     @property
     def scenario(self) -> Scenario:
-        """All of the mission."""
+        """All of the mission, goals assigned."""
         return self._scenario
 
     @property
@@ -197,14 +203,17 @@ class LongMission:
         grant = self._reserve.grant(wealth, end - step, self._scenario.horizon - step, _MOST)
         if grant < _LEAST_GRANT or self._planning is None:
             return None
-        ahead = until(self._scenario, end, self._guide)
+        ahead = self._itinerary.until(end)
         scene, known, scale = scene_of(ahead, step, grant, before)
+        done = self._asked if before is None else self._asked.less(before.visits, before.arrived)
+        scene = self._itinerary.asked(scene, step, done)
         order = Order(scene, widened(scene), 0, scale)
         found = answered(self._planning, order, deadline, known)
         if found.leg is None or found.leg.price > grant:
             return None
         mission = Window(found.leg.plan, ahead, step, before, **self._options)
         self._reserve = self._reserve.given(wealth, grant)
+        self._asked = self._itinerary.due(end, done)
         return mission
 
     def _take_entries(self) -> None:
@@ -222,15 +231,3 @@ class LongMission:
                 )
             )
         self._seen = len(self._mission.account)
-
-
-def _check_goals(scenario: Scenario) -> None:
-    """Refuse visits and windows of arrival, due at steps that no window knows of; shared goals."""
-    if scenario.goals:
-        message = "are to be assigned: no window knows of them; give each vehicle one of its own"
-        raise ScenarioError(message, ("goals",))
-    for i, vehicle in enumerate(scenario.vehicles):
-        if vehicle.via or vehicle.goal.within is not None:
-            key = "via" if vehicle.via else "goal"
-            message = f"{vehicle.name!r} has visits or a window of arrival: not flown in windows"
-            raise ScenarioError(message, ("vehicles", i, key))

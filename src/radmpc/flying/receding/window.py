@@ -14,6 +14,7 @@ from radmpc.flying.sensing.alarms import Watcher
 from radmpc.flying.sensing.evidence import Evidence
 from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.sensing.observing import Observer
+from radmpc.flying.visiting import still_to_do
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
@@ -38,6 +39,10 @@ class Handover:
         What speaks against the model: see `radmpc.flying.sensing.alarms.Watcher`.
     wealth : float
         Of the account [-].
+    visits : tuple of int
+        Of each vehicle, visits of the window that are not made yet.
+    arrived : tuple of bool
+        Of each vehicle, whether it is at a goal that it was to reach within a window of steps.
     """
 
     known: tuple[Vector, ...]
@@ -45,6 +50,8 @@ class Handover:
     evidence: Evidence
     squares: tuple[tuple[float, int, Scale], ...]
     wealth: float
+    visits: tuple[int, ...]
+    arrived: tuple[bool, ...]
 
 
 class Window(Mission):
@@ -101,7 +108,8 @@ class Window(Mission):
         evidence, squares = self._sensing.evidence, tuple(self._sensing.watcher.squares)
         value = self._leg.value(self._step, known, evidence.scale)
         wealth = self._account.kept(value.least).wealth
-        return Handover(known, tuple(alarms), evidence, squares, wealth)
+        visits, arrivals = still_to_do(self._leg, self._step)
+        return Handover(known, tuple(alarms), evidence, squares, wealth, visits, arrivals)
 
 
 def scene_of(
