@@ -79,6 +79,13 @@ def test_a_room_that_is_too_small_is_refused():
         room.scatter(np.random.default_rng(0), 2)
 
 
+@pytest.mark.parametrize("num_vehicles", range(1, 9))
+def test_a_swarm_of_few_drones_finds_room(num_vehicles):
+    for seed in range(10):
+        starts, goals = _places(swarm(num_vehicles, seed))
+        assert len(starts) == len(goals) == num_vehicles
+
+
 def test_the_swarm_family_is_as_dense_as_twenty_drones_in_a_small_room():
     scenario = swarm(40, 3)
     starts, goals = _places(scenario)

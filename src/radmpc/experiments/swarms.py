@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arguments import check_integer
+from radmpc.arrays import Matrix
+from radmpc.errors import ScenarioError
 from radmpc.experiments.scatter import Room
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.scenario import Scenario, Workspace
@@ -15,6 +17,9 @@ __all__ = ["swarm"]
 _VOLUME = 0.9
 """Volume per drone [m³]: 20 in 3 m × 3 m × 2 m, as in the problems `empty_20agents` of the LSC
 planner (Park, Kim, Oh, Kim, ICRA 2022)."""
+
+_DRAWS = 100
+"""How often all points are drawn anew at most [-]: of four drones every second draw leaves room."""
 
 _DT = 0.5
 """Length of a step [s]."""
@@ -45,7 +50,7 @@ def swarm(num_vehicles: int, seed: int) -> Scenario:
     # Three drones at least, so that there is room for starts 0.5 m from the faces.
     size = np.cbrt(_VOLUME * max(num_vehicles, 3) / 18.0) * np.array([3.0, 3.0, 2.0])
     room = Room(np.full(3, 0.5), size - 0.5, apart=0.5)
-    starts, goals = room.scatter(rng, num_vehicles), room.scatter(rng, num_vehicles)
+    starts, goals = (_scattered(room, rng, num_vehicles) for _ in range(2))
     # At 1 m/s along every axis, a second to get there and one to stop.
     longest = float(np.abs(goals - starts).max()) + 1.0
     noise = np.diag([2e-5, 2e-5, 2e-5, 7e-6, 7e-6, 7e-6])
@@ -71,3 +76,13 @@ def swarm(num_vehicles: int, seed: int) -> Scenario:
             for i, (start, goal) in enumerate(zip(starts, goals, strict=True))
         ),
     )
+
+
+def _scattered(room: Room, rng: np.random.Generator, count: int) -> Matrix:
+    """Draw points, all anew where the first ones leave no room for the last, as few drones' may."""
+    for _ in range(_DRAWS - 1):
+        try:
+            return room.scatter(rng, count)
+        except ScenarioError:
+            continue
+    return room.scatter(rng, count)
