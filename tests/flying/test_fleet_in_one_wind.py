@@ -11,7 +11,6 @@ from noisy_scenes import STEPS, blown, estimated_as_another_sees, estimated_in_a
 from test_flown_noise import waiting
 
 import radmpc
-from radmpc.errors import ScenarioError
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
 from radmpc.flying.nature import Estimator
@@ -147,12 +146,3 @@ def test_feedback_of_a_leg_acts_on_a_filter_that_begins_with_what_all_know(monke
             # That is not what the vehicle believes by its own filter.
             own = nominal.controls[k] + vehicle.gain @ (flight.states[step][i] - nominal.means[k])
             assert i or np.abs(own - due).max() > 1e-4
-
-
-def test_a_mission_of_estimates_in_one_wind_is_not_started_again():
-    scenario = estimated_as_another_sees()
-    plan = waiting(scenario)
-    mission = Mission(plan, planner=None)
-    with pytest.raises(ScenarioError, match="cannot be started again") as caught:
-        mission.start_again(plan)
-    assert "\n" not in str(caught.value)

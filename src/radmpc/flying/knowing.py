@@ -184,7 +184,7 @@ def expected_anew(scenario: Scenario, expected: Sequence[Vector]) -> tuple[Vecto
         tells goes on from where it began.
     """
     if any(estimates_together(vehicle) for vehicle in scenario.vehicles):
-        message = "a mission of estimates under shared disturbances cannot be started again"
+        message = "vehicles learn of each other's states: plan the mission's remainder(states)"
         raise ScenarioError(message, ("vehicles",))
     pairs = zip(scenario.vehicles, expected, strict=True)
     return tuple(expected_start(v) if remembers(v) else x for v, x in pairs)

@@ -8,15 +8,19 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arguments import is_number, told
-from radmpc.arrays import Vector, as_vector
+from radmpc.arrays import Vector, as_vector, field_names
 from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, ScenarioError
+from radmpc.flying.knowing import remembers
 from radmpc.model.given import check_plan
+from radmpc.model.noise.known import Known
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
 from radmpc.referee.claims import shape_problems
 from radmpc.result import Result
 
 __all__ = [
+    "are_known_alike",
     "check_continues",
     "check_number",
     "measured",
@@ -134,3 +138,27 @@ def check_number(value: object, name: str, most: float = float("inf")) -> None:
     if not 0.0 <= value <= most:
         allowed = "at least 0" if most == float("inf") else f"from 0 to {most:g}"
         raise ArgumentError(f"{name} must be {allowed}, got {value:.6g}")
+
+
+def are_known_alike(vehicles: Sequence[Vehicle], others: Sequence[Vehicle]) -> bool:
+    """Whether the same is known of vehicles of which more than a state is.
+
+    Parameters
+    ----------
+    vehicles, others : sequence of Vehicle
+        One fleet in two scenarios.
+    """
+    return all(
+        not remembers(one) or (np.array_equal(one.start, other.start) and _alike(one, other))
+        for one, other in zip(vehicles, others, strict=True)
+    )
+
+
+def _alike(one: Vehicle, other: Vehicle) -> bool:
+    """Whether what has been learned of two vehicles is the same."""
+    if one.known is None or other.known is None:
+        return False
+    return all(
+        np.array_equal(getattr(one.known, name), getattr(other.known, name))
+        for name in field_names(Known)
+    )

@@ -25,12 +25,12 @@ from radmpc.flying.deciding import (
     opened,
     plan_ahead,
 )
-from radmpc.flying.knowing import expected_anew, expected_start
-from radmpc.flying.leg import Leg
+from radmpc.flying.knowing import expected_start
+from radmpc.flying.logbook import Logbook
 from radmpc.flying.measuring import check_continues, check_number, measured, plan_of
 from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.sources import Moment, Sources, Timer
-from radmpc.flying.tick import Contact, Entry, Tick, entered, failure
+from radmpc.flying.tick import Contact, Tick, failure
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.result import Result
@@ -38,7 +38,7 @@ from radmpc.result import Result
 __all__ = ["Mission"]
 
 
-class Mission:
+class Mission(Logbook):
     """A plan that is flown, and made anew from what is measured as far as its risk bound allows.
 
     The probability of any collision in the mission is at most Δ, by whatever planner and however
@@ -97,55 +97,12 @@ class Mission:
         planning = planning_with(planner, seed)
         self._sources = Sources.of(plan.scenario, planning, executor, is_warm=warm)
         self._rule = Rule(self._sources, share, miss_price)
-        self._clock, self._scenario, self._step = clock, plan.scenario, 0
-        self._contacts: list[Contact] = []
-        self._ticks: list[Tick] = []
-        self._entries: list[Entry] = []
+        self._clock = clock
+        super().__init__(plan.scenario, *opened(plan, 0))
         self._sensing = Sensing.of(plan.scenario)
-        self._leg, self._account = opened(plan, 0)
         self._sources.prepare(self._leg)
         self._enter("opened", self._account.tail)
         self._known = self._expected = tuple(expected_start(v) for v in plan.scenario.vehicles)
-
-    @property
-    def scenario(self) -> Scenario:
-        """What the mission is about."""
-        return self._scenario
-
-    @property
-    def balance(self) -> Account:
-        """What is left of Δ."""
-        return self._account
-
-    @property
-    def leg(self) -> Leg:
-        """What is in the air."""
-        return self._leg
-
-    @property
-    def account(self) -> tuple[Entry, ...]:
-        """Every change of it, in order."""
-        return tuple(self._entries)
-
-    @property
-    def ticks(self) -> tuple[Tick, ...]:
-        """Every decision, in order."""
-        return tuple(self._ticks)
-
-    @property
-    def has_failed(self) -> bool:
-        """Whether anything was hit or lost: from then on the tail is flown, nothing is promised."""
-        return bool(self._contacts)
-
-    @property
-    def contacts(self) -> tuple[Contact, ...]:
-        """What was hit, and ranges that were lost."""
-        return tuple(self._contacts)
-
-    @property
-    def is_over(self) -> bool:
-        """Whether the last step has been measured."""
-        return self._step > self._scenario.horizon
 
     def step(
         self,
@@ -187,9 +144,7 @@ class Mission:
         known = self._expected
         alarms, decision = ["no measurement: the tail flies on as expected"], UNKNOWN
         if given is not None:
-            is_certain = not self._ticks or self._ticks[-1].value is not None
-            seen = self._step, self._expected, given, self._leg
-            known, alarms = self._sensing.look(*seen, is_certain=is_certain)
+            known, alarms = self._looked(given)
             end = float("inf") if deadline is None else begun + deadline
             decision = self._decided(known, alarms, Timer(self._clock, end))
         self._known = known
@@ -235,10 +190,50 @@ class Mission:
         self._account = self._account.with_risk_bound(risk_bound)
         self._enter("bound", None)
 
+    def remainder(
+        self,
+        states: Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike],
+        risk_bound: float | None = None,
+    ) -> Scenario:
+        """Return the steps that are left as a scenario: what to plan before `start_again`.
+
+        Parameters
+        ----------
+        states : mapping or sequence of (n,) array
+            Measured or estimated now, as `step` takes them next.
+        risk_bound : float or None
+            What the rest may risk [-]; None is Δ of the mission.
+
+        Returns
+        -------
+        Scenario
+            From all that is known of vehicles, visits that are made left out. Add to it what the
+            mission did not know of.
+
+        Raises
+        ------
+        ArgumentError
+            If no step is left, or the states are not finite.
+        RiskError
+            If the bound is no risk bound.
+        ScenarioError
+            If states do not fit the vehicles.
+        """
+        if self._step >= self._scenario.horizon:
+            raise ArgumentError(f"no step of the {self._scenario.horizon} is left to plan")
+        given = measured(self._scenario, states)
+        if given is None:
+            raise ArgumentError("states must be finite: the rest begins with them")
+        account = self._account if risk_bound is None else Account.opened(risk_bound, 0.0)
+        known, _ = self._looked(given)
+        return self._sensing.evidence.left(self._leg, self._step, known, account.risk_bound)
+
     def start_again(self, result: Result | Plan) -> None:
         """Open the account anew after an event that the plan did not model, such as a new obstacle.
 
-        What is promised then is promised from here on: the log says "new grant".
+        What is promised then is promised from here on: the log says "new grant". A plan of the
+        `remainder` goes on with all that is known by then. Of any other, vehicles and their filters
+        begin with what its scenario says.
 
         Parameters
         ----------
@@ -252,15 +247,22 @@ class Mission:
         RiskError
             If its certificate exceeds its Δ.
         ScenarioError
-            If it is of another number of steps than are left, or of other vehicles.
+            If it is of another number of steps than are left, or of other vehicles; if vehicles
+            learn of each other's states, and it is no plan of the remainder.
         """
         plan = plan_of(result)
         check_continues(plan, self._scenario, self._scenario.horizon - self._step)
-        self._leg, self._account = opened(plan, self._step)
-        self._sensing.begin_again(plan.scenario, self._step)
-        self._expected = expected_anew(plan.scenario, self._expected)
+        leg, account = opened(plan, self._step)
+        anew = self._sensing.begin_again(leg, self._leg, self._expected)
+        (self._leg, self._expected), self._account = anew, account
         self._sources.renew(self._leg)
         self._enter("new grant", self._account.tail)
+
+    def _looked(self, given: tuple[Vector, ...]) -> tuple[tuple[Vector, ...], list[str]]:
+        """Take note of a measurement, once a step; return what is known by it, and alarms."""
+        is_certain = not self._ticks or self._ticks[-1].value is not None
+        seen = self._step, self._expected, given, self._leg
+        return self._sensing.look(*seen, is_certain=is_certain)
 
     def _decided(self, states: tuple[Vector, ...], alarms: list[str], timer: Timer) -> Decision:
         """Value the tail, and decide what is flown."""
@@ -293,7 +295,3 @@ class Mission:
         self._expected = found.expected
         self._step += 1
         return tick
-
-    def _enter(self, what: str, price: float | None) -> None:
-        """Write a row of the account."""
-        self._entries.append(entered(self._step, what, self._account, price))

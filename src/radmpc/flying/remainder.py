@@ -16,7 +16,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.referee.conditional.scales import Scale
 
-__all__ = ["changed", "later", "left_of"]
+__all__ = ["changed", "later", "left_of", "surrounded"]
 
 Record = TypeVar("Record")
 
@@ -63,6 +63,45 @@ def left_of(
         goals=(),
     )
     return left if scale is None or scale.samples is None else _scaled(left, scale)
+
+
+def surrounded(left: Scenario, scenario: Scenario, passed: int, times: float) -> Scenario:
+    """Return the steps that are left with another scenario's goals and surroundings.
+
+    Parameters
+    ----------
+    left : Scenario
+        With what is known of vehicles.
+    scenario : Scenario
+        Of the same fleet, with what else there is.
+    passed : int
+        Steps since it began.
+    times : float
+        What covariances have been multiplied by since then [-].
+    """
+    pairs = zip(scenario.vehicles, left.vehicles, strict=True)
+    obstacles = (_scaled_obstacle(later(o, passed), times) for o in scenario.obstacles)
+    return changed(
+        scenario,
+        horizon=left.horizon,
+        risk_bound=left.risk_bound,
+        covariance_samples=left.covariance_samples,
+        vehicles=tuple(_known_as(vehicle, other) for vehicle, other in pairs),
+        obstacles=tuple(obstacles),
+    )
+
+
+def _known_as(vehicle: Vehicle, other: Vehicle) -> Vehicle:
+    """Return a vehicle of which the same is known as of another, with the same noise."""
+    return changed(
+        vehicle,
+        start=other.start,
+        initial_covariance=other.initial_covariance,
+        disturbance_covariance=other.disturbance_covariance,
+        measurement=other.measurement,
+        known=other.known,
+        shared=other.shared,
+    )
 
 
 def _begun(vehicle: Vehicle, state: Vector, known: Known | None) -> Vehicle:

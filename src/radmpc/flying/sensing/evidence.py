@@ -9,7 +9,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.flying.knowing import remembers
 from radmpc.flying.leg import Leg
-from radmpc.flying.remainder import left_of
+from radmpc.flying.remainder import left_of, surrounded
 from radmpc.flying.visiting import still_due
 from radmpc.model.noise.fleet import tied
 from radmpc.model.scenario import Scenario
@@ -34,12 +34,16 @@ class Evidence:
         What is known of the factor by now.
     measured : int or None
         The last step, from the scenario's first on, at which states were measured; None is none.
+    moved : tuple of (int, Scenario, Scale), or None
+        The mission's step from which on goals and surroundings are those of another scenario, that
+        scenario, and what was known of the factor by then; None is never.
     """
 
     scenario: Scenario
     began: int
     scale: Scale
     measured: int | None = None
+    moved: tuple[int, Scenario, Scale] | None = None
 
     @classmethod
     def of(cls, scenario: Scenario, began: int = 0) -> Evidence:
@@ -139,7 +143,23 @@ class Evidence:
         else:
             # From the covariances as stated: the same digits, whatever legs were flown before.
             rest = left_of(self.scenario, step - self.began, states, risk_bound, self.scale)
+            if self.moved is not None:
+                began, scenario, scale = self.moved
+                times = float(self.scale.factor / scale.factor)
+                rest = surrounded(rest, scenario, step - began, times)
         return still_due(rest, leg, step)
+
+    def elsewhere(self, scenario: Scenario, step: int) -> Evidence:
+        """Return the same of vehicles in other surroundings.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            Of the steps that are left, its covariances those that are known by now.
+        step : int
+            Of the mission, at which it begins.
+        """
+        return replace(self, moved=(step, scenario, self.scale))
 
     def _together(self) -> list[list[int]]:
         """Return the vehicles that share disturbances, and each of the others."""

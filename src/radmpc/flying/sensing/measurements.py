@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from radmpc.arrays import Vector
+from radmpc.flying.knowing import expected_anew
 from radmpc.flying.leg import Leg
+from radmpc.flying.measuring import are_known_alike
 from radmpc.flying.sensing.alarms import Watcher
 from radmpc.flying.sensing.evidence import Evidence
 from radmpc.flying.sensing.observing import Observer
 from radmpc.model.scenario import Scenario
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 
 __all__ = ["Sensing"]
 
@@ -47,19 +49,43 @@ class Sensing:
         """
         return cls(Watcher(scenario), Observer.of(scenario), Evidence.of(scenario))
 
-    def begin_again(self, scenario: Scenario, step: int) -> None:
-        """Go on with another scenario.
+    def begin_again(
+        self, leg: Leg, tail: Leg, expected: Sequence[Vector]
+    ) -> tuple[Leg, tuple[Vector, ...]]:
+        """Go on with a leg of another scenario, with all that is known where its plan says so.
 
         Parameters
         ----------
-        scenario : Scenario
+        leg : Leg
             Of the steps that are left.
-        step : int
-            The mission's, at which it begins.
+        tail : Leg
+            In the air until then.
+        expected : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
+            What was expected to be known.
+
+        Returns
+        -------
+        Leg, tuple of array
+            The leg by what is known of covariances, and what is expected now.
+
+        Raises
+        ------
+        ScenarioError
+            If its plan does not say what is known where vehicles learn of each other's states.
         """
+        scenario, step = leg.plan.scenario, leg.began
+        if self.seen is not None and self.seen[0] == step:
+            rest = self.evidence.left(tail, step, self.seen[1], scenario.risk_bound)
+            if are_known_alike(scenario.vehicles, rest.vehicles):
+                known = leg.begun(self.seen[1])
+                self.seen = step, known, self.seen[2]
+                self.evidence = self.evidence.elsewhere(scenario, step)
+                return replace(leg, scale=self.evidence.scale), known
+        begun = expected_anew(scenario, expected)
         self.observer = Observer.of(scenario, step)
         self.evidence = Evidence.of(scenario, step)
         self.seen = None
+        return leg, begun
 
     def look(
         self,

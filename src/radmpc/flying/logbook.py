@@ -1,0 +1,75 @@
+"""What a mission is about and what it has done, to be read."""
+
+from __future__ import annotations
+
+from radmpc.flying.account import Account
+from radmpc.flying.leg import Leg
+from radmpc.flying.tick import Contact, Entry, Tick, entered
+from radmpc.model.scenario import Scenario
+
+__all__ = ["Logbook"]
+
+
+class Logbook:
+    """A scenario, the leg in the air, the account and what has come of them so far.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the mission.
+    leg : Leg
+        Its first one.
+    account : Account
+        As it is opened.
+    """
+
+    def __init__(self, scenario: Scenario, leg: Leg, account: Account) -> None:
+        self._scenario, self._step = scenario, 0
+        self._leg, self._account = leg, account
+        self._contacts: list[Contact] = []
+        self._ticks: list[Tick] = []
+        self._entries: list[Entry] = []
+
+    @property
+    def scenario(self) -> Scenario:
+        """What the mission is about."""
+        return self._scenario
+
+    @property
+    def balance(self) -> Account:
+        """What is left of Δ."""
+        return self._account
+
+    @property
+    def leg(self) -> Leg:
+        """What is in the air."""
+        return self._leg
+
+    @property
+    def account(self) -> tuple[Entry, ...]:
+        """Every change of it, in order."""
+        return tuple(self._entries)
+
+    @property
+    def ticks(self) -> tuple[Tick, ...]:
+        """Every decision, in order."""
+        return tuple(self._ticks)
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether anything was hit or lost: from then on the tail is flown, nothing is promised."""
+        return bool(self._contacts)
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """What was hit, and ranges that were lost."""
+        return tuple(self._contacts)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the last step has been measured."""
+        return self._step > self._scenario.horizon
+
+    def _enter(self, what: str, price: float | None) -> None:
+        """Write a row of the account."""
+        self._entries.append(entered(self._step, what, self._account, price))
