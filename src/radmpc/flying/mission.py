@@ -95,7 +95,9 @@ class Mission(Logbook):
         plan = plan_of(result)
         check_callable(clock, "clock")
         planning = planning_with(planner, seed)
-        self._sources = Sources.of(plan.scenario, planning, executor, is_warm=warm)
+        self._sources = Sources.of(
+            plan.scenario, planning, executor, is_warm=warm, miss_price=miss_price
+        )
         self._rule = Rule(self._sources, share, miss_price)
         self._clock = clock
         super().__init__(plan.scenario, *opened(plan, 0))

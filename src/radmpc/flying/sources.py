@@ -16,7 +16,7 @@ from radmpc.flying.sensing.evidence import Evidence
 from radmpc.flying.warm.goals import widened
 from radmpc.flying.warm.search import Try, WarmSearch
 from radmpc.model.scenario import Scenario
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 from radmpc.referee.conditional.conditional import Conditional
 from radmpc.referee.conditional.scales import Scale
 
@@ -112,12 +112,15 @@ class Sources:
         Whether it does at every tick, or only where the tail risks too much.
     background : Background or None
         Plans for the next step; None is nobody.
+    miss_price : float
+        Effort that a meter beside a goal is worth [1/m].
     """
 
     planning: Planning | None
     warm: WarmSearch
     is_warm: bool
     background: Background | None
+    miss_price: float
 
     @classmethod
     def of(
@@ -127,6 +130,7 @@ class Sources:
         executor: Executor | None,
         *,
         is_warm: bool | None,
+        miss_price: float,
     ) -> Sources:
         """Return the sources of a mission.
 
@@ -140,10 +144,12 @@ class Sources:
             Where it plans for the next step; None asks it on the spot.
         is_warm : bool or None
             As in the record; None is with an executor.
+        miss_price : float
+            As in the record.
         """
         background = Background(planning, executor) if planning and executor else None
         always = background is not None if is_warm is None else is_warm
-        return cls(planning, WarmSearch(scenario), always, background)
+        return cls(planning, WarmSearch(scenario), always, background, miss_price)
 
     def prepare(self, leg: Leg) -> None:
         """Lay out what every tick needs, and find a price of risk, before the first one."""
@@ -153,8 +159,11 @@ class Sources:
         starts = [expected_start(v) for v in scenario.vehicles]
         left = left_of(scenario, 0, starts, scenario.risk_bound)
         controls = tuple(path.controls for path in leg.plan.trajectories)
+        asked = Try(left, controls, is_safest=False, is_stopped=lambda: False)
         for _ in range(_REHEARSALS):
-            self.warm.search(Try(left, controls, is_safest=False, is_stopped=lambda: False))
+            self.warm.search(asked)
+        if self.miss_price > 0.0:
+            self.warm.search(replace(asked, miss_price=self.miss_price))
 
     def renew(self, leg: Leg) -> None:
         """Begin anew with a leg of another scenario."""
@@ -197,9 +206,46 @@ class Sources:
         # Half-spaces are turned between starts and goals: of visits these programs know nothing.
         if (self.is_warm or moment.is_unsafe) and not moment.leg.plan.scenario.has_windows:
             base = moment.leg if arrived is None or arrived.leg is None else arrived.leg
-            yield from _warm(self.warm, moment, (base, grant), timer)
+            yield from self._warm(moment, (base, grant), timer)
         if self.planning is not None and self.background is None:
             yield _on_the_spot(self.planning, moment, grant, timer)
+
+    def _warm(self, moment: Moment, asked: tuple[Leg, float], timer: Timer) -> Iterator[Candidate]:
+        """Yield candidates near the paths in the air."""
+        (leg, grant), warm = asked, self.warm
+        left = moment.left(grant)
+        controls = leg.mean_controls(moment.step, moment.states)
+        scale = moment.evidence.scale
+        missing = None
+        for number in range(_TRIES + 1):
+            this = Try(left, controls, moment.is_unsafe, timer.is_over, scale, missing)
+            try:
+                found = warm.search(this)
+            except Exception as error:
+                yield failed(error)
+                return
+            if found is None:
+                yield Candidate(None, None, "turned half-spaces left no plan")
+                return
+            order = Order(left, found[1], moment.step, scale)
+            offer = leg_judged(found[0], order, moment.step, moment.states, scale)
+            if timer.is_over():
+                yield Candidate(None, offer.price, LATE)
+                return
+            yield offer
+            if offer.price is None or moment.is_unsafe:
+                return
+            warm.learn(offer.price)
+            is_last = missing is not None or offer.leg is None
+            if is_last or moment.account.affords(offer.price):
+                return
+            # Where no plan to the goals is affordable, one that ends beside them may be.
+            if number + 1 == _TRIES or warm.is_out_of_reach:
+                if self.miss_price == 0.0:
+                    return
+                missing = self.miss_price
+            else:
+                warm.dearer(offer.price, grant)
 
     def begin(self, left: Scenario, step: int, scale: Scale, seconds: float | None) -> None:
         """Have the background plan for a step to come.
@@ -230,34 +276,3 @@ def _on_the_spot(planning: Planning, moment: Moment, grant: float, timer: Timer)
     if timer.is_over():
         return Candidate(None, found.price, LATE)
     return found
-
-
-def _warm(
-    warm: WarmSearch, moment: Moment, base: tuple[Leg, float], timer: Timer
-) -> Iterator[Candidate]:
-    """Yield candidates near the paths in the air."""
-    leg, grant = base
-    left = moment.left(grant)
-    controls = leg.mean_controls(moment.step, moment.states)
-    scale = moment.evidence.scale
-    for _ in range(_TRIES):
-        try:
-            found = warm.search(Try(left, controls, moment.is_unsafe, timer.is_over, scale))
-        except Exception as error:
-            yield failed(error)
-            return
-        if found is None:
-            yield Candidate(None, None, "turned half-spaces left no plan")
-            return
-        order = Order(left, found[1], moment.step, scale)
-        offer = leg_judged(found[0], order, moment.step, moment.states, scale)
-        if timer.is_over():
-            yield Candidate(None, offer.price, LATE)
-            return
-        yield offer
-        if offer.price is None or moment.is_unsafe:
-            return
-        warm.learn(offer.price)
-        if offer.leg is None or moment.account.affords(offer.price):
-            return
-        warm.dearer(offer.price, grant)

@@ -17,7 +17,7 @@ from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import norm_rows
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 
-__all__ = ["least_slacks", "widened"]
+__all__ = ["least_slacks", "reached", "widened"]
 
 _ROUNDING = 1e-7
 """What a widened goal is wider yet [m, m/s]: a program without any room ends by its tolerances.
@@ -48,6 +48,28 @@ def widened(scenario: Scenario, models: Sequence[CondensedModel] | None = None) 
         return scenario
     pairs = zip(scenario.vehicles, slacks, strict=True)
     return changed(scenario, vehicles=tuple(_wider(v, slack) for v, slack in pairs))
+
+
+def reached(
+    scenario: Scenario, models: Sequence[CondensedModel], controls: Sequence[Matrix]
+) -> Scenario:
+    """Return a scenario whose goals are as wide as some controls miss them by.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the steps that are left.
+    models : sequence of CondensedModel
+        Its vehicles over these steps.
+    controls : sequence of (T, m) array
+        Of its vehicles.
+    """
+    vehicles = []
+    for vehicle, model, pushes in zip(scenario.vehicles, models, controls, strict=True):
+        end = model.position[model.horizon] @ pushes.ravel() + model.drift_position[model.horizon]
+        outside = np.maximum(np.maximum(vehicle.goal.lower - end, end - vehicle.goal.upper), 0.0)
+        vehicles.append(_wider(vehicle, outside))
+    return changed(scenario, vehicles=tuple(vehicles))
 
 
 def least_slacks(models: Sequence[CondensedModel], dt: float) -> list[Vector | None]:

@@ -7,7 +7,7 @@ to tick, and the last basis is a start.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -36,6 +36,8 @@ class KeptLp(GroupLp):
         The fleet over all steps.
     members : sequence of int
         The vehicles planned, ascending.
+    miss_price : float or None
+        Effort that ending beside a goal costs per meter and axis [1/m]; None is not allowed.
 
     Attributes
     ----------
@@ -43,8 +45,11 @@ class KeptLp(GroupLp):
         Whether the last solve found nothing.
     """
 
-    def __init__(self, hazards: Hazards, members: Sequence[int]) -> None:
+    def __init__(
+        self, hazards: Hazards, members: Sequence[int], miss_price: float | None = None
+    ) -> None:
         self.has_failed = False
+        self._miss_price = miss_price
         self._steps = hazards.horizon
         # At the steps alone only the later ends of windows have rows.
         self._num_ends = 2 if hazards.intervals else 1
@@ -64,6 +69,7 @@ class KeptLp(GroupLp):
         cost = np.full(2 * span, model.vehicle.cost_weight)
         first = self._lp.add_columns(cost, np.zeros(2 * span), np.zeros(2 * span))
         self._lp.add_columns(np.zeros(count), np.full(count, -_INF), np.full(count, _INF))
+        slack = self._add_slack(model.vehicle.system.dimension)
         rows = [model.position[-1]]
         if model.velocity is not None:
             rows.append(model.velocity[1:].reshape(-1, span))
@@ -72,14 +78,24 @@ class KeptLp(GroupLp):
         prediction = positions.reshape(count, span)
         matrix = np.vstack(
             [
-                np.hstack([hard, -hard, np.zeros((len(hard), count))]),
-                np.hstack([-prediction, prediction, np.eye(count)]),
+                np.hstack([hard, -hard, np.zeros((len(hard), count)), slack(len(hard))]),
+                np.hstack([-prediction, prediction, np.eye(count), 0.0 * slack(count)]),
             ]
         )
         free = np.full(len(matrix), _INF)
         self._lp.add_rows(csr_array(matrix), -free, free, first)
         self._rows_kept = self._lp.num_rows
         return first, first + 2 * span
+
+    def _add_slack(self, dimension: int) -> Callable[[int], Matrix]:
+        """Add columns for what a goal is missed by; return their coefficients in so many rows."""
+        if self._miss_price is None:
+            return lambda count: np.zeros((count, 0))
+        size = 2 * dimension
+        cost = np.full(size, self._miss_price)
+        self._lp.add_columns(cost, np.zeros(size), np.full(size, _INF))
+        # The goal's rows are the first ones.
+        return lambda count: np.hstack([np.eye(count, dimension), -np.eye(count, dimension)])
 
     def move(self, hazards: Hazards) -> None:
         """Begin where the vehicles are now.

@@ -8,7 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.flying.warm.ahead import Ahead
-from radmpc.flying.warm.goals import widened
+from radmpc.flying.warm.goals import reached, widened
 from radmpc.flying.warm.kept_lp import KeptLp
 from radmpc.flying.warm.tuning import TUNING
 from radmpc.model.scenario import Scenario
@@ -42,6 +42,9 @@ class Try:
         Returns True once there is no time left.
     scale : Scale or None
         What is known by now of the factor of the mission's covariances; None where they are known.
+    miss_price : float or None
+        Effort that a meter beside a goal is worth, where goals may be missed [1/m]; None is where
+        they are to be reached, or missed by the least that limits leave.
     """
 
     left: Scenario
@@ -49,6 +52,7 @@ class Try:
     is_safest: bool
     is_stopped: Callable[[], bool]
     scale: Scale | None = None
+    miss_price: float | None = None
 
 
 class WarmSearch:
@@ -63,6 +67,8 @@ class WarmSearch:
     ----------
     price : float or None
         Shadow price of the risk at the last tick, per unit of probability; None before.
+    is_out_of_reach : bool
+        Whether the last plan to the goals risked too much at the highest price.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -71,6 +77,9 @@ class WarmSearch:
         self._scenario = scenario
         self._ahead: Ahead | None = None
         self._programs: dict[Group, KeptLp] = {}
+        self._missing: dict[Group, KeptLp] = {}
+        self._price_beside: float | None = None
+        self.is_out_of_reach = False
         self._groups: tuple[Group, ...] = ()
         # What half-spaces sum to is more than the certificate finds: by how much, last time.
         self._ratio = TUNING.first_ratio
@@ -86,6 +95,8 @@ class WarmSearch:
         """
         left = asked.left
         found = self._turned(asked, left)
+        if found is not None and asked.miss_price is not None:
+            left = reached(left, self._left(left, asked.scale).models, found)
         if found is None and not asked.is_stopped():
             # Limits may leave no way to the goals: these give way by the least that will do.
             left = widened(left, self._left(left, asked.scale).models)
@@ -120,18 +131,30 @@ class WarmSearch:
     def _turned(self, asked: Try, left: Scenario) -> tuple[Matrix, ...] | None:
         """Return better controls within given goals; None if limits leave none."""
         hazards = self._left(left, asked.scale)
-        if not self._groups:
-            self._groups = _groups(hazards, asked.controls)
-            self._programs = {g: KeptLp(self._all().whole, g) for g in self._groups}
-        for program in self._programs.values():
+        programs = self._made(asked, hazards)
+        for program in programs.values():
             program.move(hazards)
         limits = Limits(is_stopped=asked.is_stopped)
-        successive = SuccessiveLp(hazards, limits, self._programs)
+        successive = SuccessiveLp(hazards, limits, programs)
         successive.begin(asked.controls)
         is_found = (
             self._safer(successive, asked) if asked.is_safest else self._cheaper(successive, asked)
         )
         return tuple(successive.paths.controls) if is_found else None
+
+    def _made(self, asked: Try, hazards: Hazards) -> dict[Group, KeptLp]:
+        """Return the groups' programs, made when they are first needed."""
+        if not self._groups:
+            self._groups = _groups(hazards, asked.controls)
+            self._programs = {g: KeptLp(self._all().whole, g) for g in self._groups}
+        if asked.miss_price is not None and not self._missing:
+            whole, price = self._all().whole, asked.miss_price
+            self._missing = {g: KeptLp(whole, g, price) for g in self._groups}
+        return self._of(asked)
+
+    def _of(self, asked: Try) -> dict[Group, KeptLp]:
+        """Return the programs in which goals may be missed, or those in which they may not."""
+        return self._programs if asked.miss_price is None else self._missing
 
     def _all(self) -> Ahead:
         """Return the mission over all of its steps."""
@@ -155,15 +178,23 @@ class WarmSearch:
         grant = asked.left.risk_bound
         cost = max(successive.paths.cost(), TUNING.least_cost)
         least, most = TUNING.cheapest * cost / grant, TUNING.dearest * cost / grant
+        may_miss = asked.miss_price is not None
+        known = self._price_beside if may_miss else self.price
         # No price leads to what cannot be had: the next plan begins below what that came to.
-        price = min(self.price or TUNING.first_dear * cost / self._scenario.risk_bound, most)
+        price = min(known or TUNING.first_dear * cost / self._scenario.risk_bound, most)
         for _ in range(TUNING.rounds):
             if not self._turn(successive, asked, price):
                 return False
             expected = self._ratio * self._risk
             aimed = price * float(np.clip(expected / (TUNING.aim * grant), *TUNING.moves))
-            self.price = price = float(np.clip(aimed, least, most))
-            if expected <= grant:
+            price = float(np.clip(aimed, least, most))
+            if may_miss:
+                self._price_beside = price
+            else:
+                self.price = price
+                self.is_out_of_reach = expected > grant and price > TUNING.hopeless * most
+            # Who gives way to risk that there is none of gives way too much.
+            if TUNING.wasted * may_miss * grant <= expected <= grant:
                 break
         return True
 
@@ -174,7 +205,7 @@ class WarmSearch:
             if asked.is_stopped():
                 return False
             self._risk += successive.share_risk(group, price, TUNING.spacing)
-            if self._programs[group].has_failed:
+            if self._of(asked)[group].has_failed:
                 return False
         return True
 
