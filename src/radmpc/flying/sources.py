@@ -216,8 +216,12 @@ class Sources:
         left = moment.left(grant)
         controls = leg.mean_controls(moment.step, moment.states)
         scale = moment.evidence.scale
-        missing = None
-        for number in range(_TRIES + 1):
+        # Where no plan to the goals is affordable, one that ends beside them may be.
+        tries: list[float | None] = [None] * _TRIES
+        tries += [self.miss_price] * (_TRIES if self.miss_price > 0.0 else 0)
+        for number, missing in enumerate(tries):
+            if number and missing is None and warm.is_out_of_reach:
+                continue
             this = Try(left, controls, moment.is_unsafe, timer.is_over, scale, missing)
             try:
                 found = warm.search(this)
@@ -236,16 +240,9 @@ class Sources:
             if offer.price is None or moment.is_unsafe:
                 return
             warm.learn(offer.price)
-            is_last = missing is not None or offer.leg is None
-            if is_last or moment.account.affords(offer.price):
+            if offer.leg is None or moment.account.affords(offer.price):
                 return
-            # Where no plan to the goals is affordable, one that ends beside them may be.
-            if number + 1 == _TRIES or warm.is_out_of_reach:
-                if self.miss_price == 0.0:
-                    return
-                missing = self.miss_price
-            else:
-                warm.dearer(offer.price, grant)
+            warm.dearer(this, offer.price)
 
     def begin(self, left: Scenario, step: int, scale: Scale, seconds: float | None) -> None:
         """Have the background plan for a step to come.

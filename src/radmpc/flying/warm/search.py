@@ -17,7 +17,7 @@ from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.components import components
 from radmpc.program.hazards import Hazards
-from radmpc.records import dataclass
+from radmpc.records import dataclass, field
 from radmpc.referee.conditional.scales import Scale
 from radmpc.solvers.solution import Limits
 
@@ -55,6 +55,25 @@ class Try:
     miss_price: float | None = None
 
 
+@dataclass(slots=True, eq=False)
+class _Kept:
+    """Programs to the goals, or beside them, and what came of them.
+
+    Attributes
+    ----------
+    programs : dict
+        One for each group; none before they are first asked for.
+    price : float or None
+        Shadow price of the risk when last asked, per unit of probability; None before.
+    is_out_of_reach : bool
+        Whether they then risked too much near the highest price.
+    """
+
+    programs: dict[Group, KeptLp] = field(default_factory=dict)
+    price: float | None = None
+    is_out_of_reach: bool = False
+
+
 class WarmSearch:
     """Half-spaces turned to the paths in the air from tick to tick, with programs kept warm.
 
@@ -62,28 +81,22 @@ class WarmSearch:
     ----------
     scenario : Scenario
         The mission, over all its steps.
-
-    Attributes
-    ----------
-    price : float or None
-        Shadow price of the risk at the last tick, per unit of probability; None before.
-    is_out_of_reach : bool
-        Whether the last plan to the goals risked too much at the highest price.
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        self.price: float | None = None
         self._horizon = scenario.horizon
         self._scenario = scenario
         self._ahead: Ahead | None = None
-        self._programs: dict[Group, KeptLp] = {}
-        self._missing: dict[Group, KeptLp] = {}
-        self._price_beside: float | None = None
-        self.is_out_of_reach = False
+        self._to_goals, self._beside = _Kept(), _Kept()
         self._groups: tuple[Group, ...] = ()
         # What half-spaces sum to is more than the certificate finds: by how much, last time.
         self._ratio = TUNING.first_ratio
         self._risk = 0.0
+
+    @property
+    def is_out_of_reach(self) -> bool:
+        """Whether the last plan to the goals risked too much near the highest price."""
+        return self._to_goals.is_out_of_reach
 
     def search(self, asked: Try) -> tuple[tuple[Matrix, ...], Scenario] | None:
         """Return other controls, and the scenario with the goals that they reach; None without.
@@ -115,18 +128,19 @@ class WarmSearch:
             low, high = TUNING.ratios
             self._ratio = float(np.clip(certified / self._risk, low, high))
 
-    def dearer(self, certified: float, grant: float) -> None:
+    def dearer(self, asked: Try, certified: float) -> None:
         """Raise the price after controls that risk too much.
 
         Parameters
         ----------
+        asked : Try
+            What they were an answer to.
         certified : float
             What the referee found of them [-].
-        grant : float
-            What they might have risked [-].
         """
-        if self.price is not None and certified > grant:
-            self.price *= (certified / grant) ** TUNING.damping
+        kept, grant = self._of(asked), asked.left.risk_bound
+        if kept.price is not None and certified > grant:
+            kept.price *= (certified / grant) ** TUNING.damping
 
     def _turned(self, asked: Try, left: Scenario) -> tuple[Matrix, ...] | None:
         """Return better controls within given goals; None if limits leave none."""
@@ -146,15 +160,15 @@ class WarmSearch:
         """Return the groups' programs, made when they are first needed."""
         if not self._groups:
             self._groups = _groups(hazards, asked.controls)
-            self._programs = {g: KeptLp(self._all().whole, g) for g in self._groups}
-        if asked.miss_price is not None and not self._missing:
+        kept = self._of(asked)
+        if not kept.programs:
             whole, price = self._all().whole, asked.miss_price
-            self._missing = {g: KeptLp(whole, g, price) for g in self._groups}
-        return self._of(asked)
+            kept.programs = {g: KeptLp(whole, g, price) for g in self._groups}
+        return kept.programs
 
-    def _of(self, asked: Try) -> dict[Group, KeptLp]:
-        """Return the programs in which goals may be missed, or those in which they may not."""
-        return self._programs if asked.miss_price is None else self._missing
+    def _of(self, asked: Try) -> _Kept:
+        """Return what is kept of programs to the goals, or beside them."""
+        return self._to_goals if asked.miss_price is None else self._beside
 
     def _all(self) -> Ahead:
         """Return the mission over all of its steps."""
@@ -170,7 +184,7 @@ class WarmSearch:
     def _safer(self, successive: SuccessiveLp, asked: Try) -> bool:
         """Turn half-spaces at a price at which risk is nearly all that counts."""
         cost = max(successive.paths.cost(), TUNING.least_cost)
-        price = max(self.price or 0.0, TUNING.safest * cost / asked.left.risk_bound)
+        price = max(self._of(asked).price or 0.0, TUNING.safest * cost / asked.left.risk_bound)
         return all(self._turn(successive, asked, price) for _ in range(TUNING.safest_rounds))
 
     def _cheaper(self, successive: SuccessiveLp, asked: Try) -> bool:
@@ -178,23 +192,18 @@ class WarmSearch:
         grant = asked.left.risk_bound
         cost = max(successive.paths.cost(), TUNING.least_cost)
         least, most = TUNING.cheapest * cost / grant, TUNING.dearest * cost / grant
-        may_miss = asked.miss_price is not None
-        known = self._price_beside if may_miss else self.price
+        kept, wasted = self._of(asked), 0.0 if asked.miss_price is None else TUNING.wasted * grant
         # No price leads to what cannot be had: the next plan begins below what that came to.
-        price = min(known or TUNING.first_dear * cost / self._scenario.risk_bound, most)
+        price = min(kept.price or TUNING.first_dear * cost / self._scenario.risk_bound, most)
         for _ in range(TUNING.rounds):
             if not self._turn(successive, asked, price):
                 return False
             expected = self._ratio * self._risk
             aimed = price * float(np.clip(expected / (TUNING.aim * grant), *TUNING.moves))
-            price = float(np.clip(aimed, least, most))
-            if may_miss:
-                self._price_beside = price
-            else:
-                self.price = price
-                self.is_out_of_reach = expected > grant and price > TUNING.hopeless * most
+            kept.price = price = float(np.clip(aimed, least, most))
+            kept.is_out_of_reach = expected > grant and price > TUNING.out_of_reach * most
             # Who gives way to risk that there is none of gives way too much.
-            if TUNING.wasted * may_miss * grant <= expected <= grant:
+            if wasted <= expected <= grant:
                 break
         return True
 
@@ -205,7 +214,7 @@ class WarmSearch:
             if asked.is_stopped():
                 return False
             self._risk += successive.share_risk(group, price, TUNING.spacing)
-            if self._of(asked)[group].has_failed:
+            if self._of(asked).programs[group].has_failed:
                 return False
         return True
 

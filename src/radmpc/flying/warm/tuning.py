@@ -27,7 +27,7 @@ class Tuning:
         Share of the grant that a candidate is to cost [-].
     moves : tuple of float
         Least and largest factor on the price from one round to the next [-].
-    hopeless : float
+    out_of_reach : float
         Share of the highest price above which goals count as out of reach of the grant [-].
     wasted : float
         Share of the grant below which plans that may miss their goals are made anew at a lower
@@ -56,7 +56,7 @@ class Tuning:
     near: float = 6.5
     aim: float = 0.9
     moves: tuple[float, float] = (0.15, 8.0)
-    hopeless: float = 0.5
+    out_of_reach: float = 0.5
     wasted: float = 0.5
     damping: float = 0.8
     first_dear: float = 1.0
