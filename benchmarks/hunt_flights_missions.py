@@ -93,14 +93,23 @@ def made(kind: str, plan: Plan, rng: np.random.Generator) -> tuple[Anything, flo
 
 
 def _in_windows(plan: Plan, rng: np.random.Generator) -> radmpc.LongMission:
-    """Return a mission in windows, toward the goals that the plan has."""
-    scenario = replace(plan.scenario, goals=())
+    """Return a mission in windows, toward the goals that the plan has or to choose from."""
+    scenario = plan.scenario
+    is_led = rng.random() < 0.7 or scenario.num_vehicles > 3
+    if is_led:
+        vehicles = tuple(replace(v, via=_timed(v.via, scenario.horizon)) for v in scenario.vehicles)
+        scenario = replace(scenario, goals=(), vehicles=vehicles)
     window = int(rng.integers(2, scenario.horizon + 1))
     overlap, warm = int(rng.integers(1, window)), bool(rng.random() < 0.5)
-    guide = None if rng.random() < 0.3 and scenario.num_vehicles <= 3 else _along(plan)
+    guide = _along(plan) if is_led else None
     return radmpc.LongMission(
         scenario, window=window, overlap=overlap, guide=guide, planner=quick, warm=warm
     )
+
+
+def _timed(via: Sequence[radmpc.Visit], horizon: int) -> tuple[radmpc.Visit, ...]:
+    """Return visits with windows, which a given guide asks for."""
+    return tuple(replace(visit, between=visit.window(horizon)) for visit in via)
 
 
 def _along(plan: Plan) -> Callable[[int], list[radmpc.Goal]]:
@@ -156,7 +165,7 @@ def flown(
     while not mission.is_over:
         given = states if blind is None else _changed(mission, states, blind)
         if is_restarted and result.ticks == (scenario.horizon + 1) // 2:
-            start_again(mission, states, result.ticks)
+            start_again(mission, states, result.ticks, notes, name)
         before = _balance(mission)
         tick = mission.step(given, deadline=deadline, contacts=contacts)
         failed = "planning failed" in tick.reason or "cannot be flown" in tick.reason
@@ -181,25 +190,38 @@ def flown(
     return result
 
 
-def start_again(mission: Anything, states: Sequence[np.ndarray], step: int) -> None:
-    """Plan the steps that are left as a scenario of its own, and open another account with it."""
+def start_again(
+    mission: Anything, states: Sequence[np.ndarray], step: int, notes: Notes, name: str
+) -> None:
+    """Plan what is left, or the same as a scenario of its own, and open another account with it."""
     scenario, left = mission.scenario, mission.scenario.horizon - step
-    if scenario.has_windows or left < 1 or isinstance(mission, radmpc.LongMission):
+    if left < 1 or isinstance(mission, radmpc.LongMission):
         return
+    try:
+        if step % 2 and not scenario.has_windows:
+            rest = _as_stated(scenario, states, left)
+        else:
+            rest = mission.remainder(states, min(0.49, 1.5 * mission.balance.risk_bound))
+            if rest.horizon != left:
+                notes.add("planner", f"{name}: {rest.horizon} steps are left, not {left}")
+        mission.start_again(quick(rest, None))
+    except (radmpc.NoPlanError, radmpc.RiskError):
+        return
+    except radmpc.ScenarioError as error:
+        if "learn of each other" not in str(error):
+            raise
+
+
+def _as_stated(
+    scenario: radmpc.Scenario, states: Sequence[np.ndarray], left: int
+) -> radmpc.Scenario:
+    """Return the steps that are left as if nothing had been learned; without moving obstacles."""
     vehicles = [
         replace(v, start=x, initial_covariance=0.0 * v.initial_covariance)
         for v, x in zip(scenario.vehicles, states, strict=True)
     ]
     obstacles = [o for o in scenario.obstacles if not o.is_moving]
-    rest = replace(scenario, horizon=left, vehicles=vehicles, obstacles=obstacles, goals=())
-    found = quick(rest, None)
-    try:
-        mission.start_again(found)
-    except (radmpc.NoPlanError, radmpc.RiskError):
-        return
-    except radmpc.ScenarioError as error:
-        if "cannot be started again" not in str(error):
-            raise
+    return replace(scenario, horizon=left, vehicles=vehicles, obstacles=obstacles, goals=())
 
 
 def _balance(mission: Anything) -> float | None:

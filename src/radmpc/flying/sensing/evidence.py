@@ -11,7 +11,6 @@ from radmpc.flying.knowing import remembers
 from radmpc.flying.leg import Leg
 from radmpc.flying.remainder import left_of, surrounded
 from radmpc.flying.visiting import still_due
-from radmpc.model.noise.fleet import tied
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass, replace
@@ -137,16 +136,12 @@ class Evidence:
         risk_bound : float
             What the rest may risk [-].
         """
-        is_tied = tied([vehicle.noise for vehicle in self.scenario.vehicles])
-        if self.scale.samples is None and not is_tied:
-            rest = left_of(leg.plan.scenario, step - leg.began, states, risk_bound)
-        else:
-            # From the covariances as stated: the same digits, whatever legs were flown before.
-            rest = left_of(self.scenario, step - self.began, states, risk_bound, self.scale)
-            if self.moved is not None:
-                began, scenario, scale = self.moved
-                times = float(self.scale.factor / scale.factor)
-                rest = surrounded(rest, scenario, step - began, times)
+        # From the first step on: the same digits, whatever legs were flown before.
+        rest = left_of(self.scenario, step - self.began, states, risk_bound, self.scale)
+        if self.moved is not None:
+            began, scenario, scale = self.moved
+            times = float(self.scale.factor / scale.factor)
+            rest = surrounded(rest, scenario, step - began, times)
         return still_due(rest, leg, step)
 
     def elsewhere(self, scenario: Scenario, step: int) -> Evidence:
