@@ -73,7 +73,7 @@ class Rule:
     def __post_init__(self) -> None:
         """Refuse numbers out of their ranges."""
         check_number(self.share, "share", 1.0)
-        check_number(self.miss_price, "miss_price")
+        check_number(self.miss_price, "miss_price", most=1e300)
         if self.share == 0.0:
             raise ArgumentError("share must be above 0, got 0")
 

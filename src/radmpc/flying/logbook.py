@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from radmpc.flying.account import Account
 from radmpc.flying.leg import Leg
-from radmpc.flying.tick import Contact, Entry, Tick, entered
+from radmpc.flying.tick import Contact, Entry, Tick, entered, failure
 from radmpc.model.scenario import Scenario
 
 __all__ = ["Logbook"]
@@ -27,6 +27,7 @@ class Logbook:
         self._scenario, self._step = scenario, 0
         self._leg, self._account = leg, account
         self._contacts: list[Contact] = []
+        self._past = 0  # of these, those before the account was opened anew
         self._ticks: list[Tick] = []
         self._entries: list[Entry] = []
 
@@ -57,8 +58,11 @@ class Logbook:
 
     @property
     def has_failed(self) -> bool:
-        """Whether anything was hit or lost: from then on the tail is flown, nothing is promised."""
-        return bool(self._contacts)
+        """Whether anything was hit or lost: from then on the tail is flown, nothing is promised.
+
+        Unless the account is opened anew.
+        """
+        return len(self._contacts) > self._past
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
@@ -69,6 +73,10 @@ class Logbook:
     def is_over(self) -> bool:
         """Whether the last step has been measured."""
         return self._step > self._scenario.horizon
+
+    def _failure(self) -> str:
+        """Return in a few words why the mission has failed, where it has."""
+        return failure(self._contacts[self._past :])
 
     def _enter(self, what: str, price: float | None) -> None:
         """Write a row of the account."""

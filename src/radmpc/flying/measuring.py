@@ -8,14 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arguments import is_number, told
-from radmpc.arrays import Vector, as_vector, field_names
+from radmpc.arrays import Frozen, Vector, as_vector, field_names
 from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, ScenarioError
-from radmpc.flying.knowing import remembers
 from radmpc.model.given import check_plan
-from radmpc.model.noise.known import Known
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
-from radmpc.model.vehicle import Vehicle
 from radmpc.referee.claims import shape_problems
 from radmpc.result import Result
 
@@ -26,6 +23,13 @@ __all__ = [
     "measured",
     "plan_of",
 ]
+
+
+_KNOWN = (
+    *("start", "initial_covariance", "disturbance_covariance", "disturbance_correlation"),
+    *("measurement", "shared", "known"),
+)
+"""What says how well a vehicle is known."""
 
 
 def plan_of(result: Result | Plan) -> Plan:
@@ -95,12 +99,16 @@ def measured(
 
     Raises
     ------
+    ArgumentTypeError
+        If they are of another kind.
     ScenarioError
         If they are not of the scenario's vehicles.
     """
     if states is None:
         return None
     vehicles = scenario.vehicles
+    if isinstance(states, str) or not isinstance(states, Mapping | Sequence | np.ndarray):
+        raise ArgumentTypeError(f"states must be a sequence of states, got {told(states)}")
     if isinstance(states, Mapping):
         missing = [v.name for v in vehicles if v.name not in states]
         if missing:
@@ -140,25 +148,25 @@ def check_number(value: object, name: str, most: float = float("inf")) -> None:
         raise ArgumentError(f"{name} must be {allowed}, got {value:.6g}")
 
 
-def are_known_alike(vehicles: Sequence[Vehicle], others: Sequence[Vehicle]) -> bool:
-    """Whether the same is known of vehicles of which more than a state is.
+def are_known_alike(scenario: Scenario, other: Scenario) -> bool:
+    """Whether the same is known of a fleet in two scenarios, and its noise is the same.
 
     Parameters
     ----------
-    vehicles, others : sequence of Vehicle
-        One fleet in two scenarios.
+    scenario, other : Scenario
+        Of the same vehicles.
     """
-    return all(
-        not remembers(one) or (np.array_equal(one.start, other.start) and _alike(one, other))
-        for one, other in zip(vehicles, others, strict=True)
+    pairs = zip(scenario.vehicles, other.vehicles, strict=True)
+    return scenario.covariance_samples == other.covariance_samples and all(
+        _are_alike(getattr(one, name), getattr(two, name)) for one, two in pairs for name in _KNOWN
     )
 
 
-def _alike(one: Vehicle, other: Vehicle) -> bool:
-    """Whether what has been learned of two vehicles is the same."""
-    if one.known is None or other.known is None:
-        return False
-    return all(
-        np.array_equal(getattr(one.known, name), getattr(other.known, name))
-        for name in field_names(Known)
-    )
+def _are_alike(one: object, other: object) -> bool:
+    """Whether two values are the same to the last digit."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(_are_alike, one, other))
+    if isinstance(one, Frozen) and type(one) is type(other):
+        names = field_names(type(one))
+        return all(_are_alike(getattr(one, name), getattr(other, name)) for name in names)
+    return bool(np.array_equal(one, other))  # type: ignore[arg-type] # None, numbers, arrays

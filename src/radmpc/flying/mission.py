@@ -30,7 +30,7 @@ from radmpc.flying.logbook import Logbook
 from radmpc.flying.measuring import check_continues, check_number, measured, plan_of
 from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.sources import Moment, Sources, Timer
-from radmpc.flying.tick import Contact, Tick, failure
+from radmpc.flying.tick import Contact, Tick
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.result import Result
@@ -215,7 +215,7 @@ class Mission(Logbook):
         Raises
         ------
         ArgumentError
-            If no step is left, or the states are not finite.
+            If no step is left, the states are not finite, or others were measured at this step.
         RiskError
             If the bound is no risk bound.
         ScenarioError
@@ -223,19 +223,18 @@ class Mission(Logbook):
         """
         if self._step >= self._scenario.horizon:
             raise ArgumentError(f"no step of the {self._scenario.horizon} is left to plan")
-        given = measured(self._scenario, states)
-        if given is None:
+        if (given := measured(self._scenario, states)) is None:
             raise ArgumentError("states must be finite: the rest begins with them")
-        account = self._account if risk_bound is None else Account.opened(risk_bound, 0.0)
+        account = self._account if risk_bound is None else Account(risk_bound, 0.0, 0.0)
         known, _ = self._looked(given)
         return self._sensing.evidence.left(self._leg, self._step, known, account.risk_bound)
 
     def start_again(self, result: Result | Plan) -> None:
         """Open the account anew after an event that the plan did not model, such as a new obstacle.
 
-        What is promised then is promised from here on: the log says "new grant". A plan of the
-        `remainder` goes on with all that is known by then. Of any other, vehicles and their filters
-        begin with what its scenario says.
+        What is promised then is promised from here on, whatever was hit: the log says "new grant".
+        A plan of the `remainder` goes on with all that is known by then. Of any other, or with
+        other noise, vehicles and their filters begin with what its scenario says.
 
         Parameters
         ----------
@@ -255,8 +254,8 @@ class Mission(Logbook):
         plan = plan_of(result)
         check_continues(plan, self._scenario, self._scenario.horizon - self._step)
         leg, account = opened(plan, self._step)
-        anew = self._sensing.begin_again(leg, self._leg, self._expected)
-        (self._leg, self._expected), self._account = anew, account
+        self._leg, self._expected = self._sensing.begin_again(leg, self._leg, self._expected)
+        self._account, self._past = account, len(self._contacts)
         self._sources.renew(self._leg)
         self._enter("new grant", self._account.tail)
 
@@ -274,7 +273,7 @@ class Mission(Logbook):
         if value.total > bound:
             alarms.append(f"what is left risks {value.total:.3g}, more than Δ = {bound:.3g}")
         if self.has_failed:
-            return Decision(None, failure(self._contacts), value.total, None, value.next_step)
+            return Decision(None, self._failure(), value.total, None, value.next_step)
         now = self._account, self._sensing.evidence
         moment = Moment(self._step, states, self._leg, value, *now)
         return decided(self._rule, moment, timer)

@@ -88,6 +88,7 @@ def surrounded(left: Scenario, scenario: Scenario, passed: int, times: float) ->
         covariance_samples=left.covariance_samples,
         vehicles=tuple(_known_as(vehicle, other) for vehicle, other in pairs),
         obstacles=tuple(obstacles),
+        goals=(),
     )
 
 

@@ -107,14 +107,14 @@ def test_vehicles_far_apart_that_keep_a_range_share_a_program() -> None:
 
 def test_a_coarse_guide_leaves_ranges_room_for_noise() -> None:
     scenario = escorted(horizon=12)
-    coarse = _coarsened(scenario, 2, 6)
+    coarse = _coarsened(scenario, 2, (6, 2.0))
     [kept] = coarse.keep
     grown = sum(
         w.radius - v.radius for v, w in zip(scenario.vehicles, coarse.vehicles, strict=True)
     )
     assert 0.0 < grown < 1.0
     assert kept.within == pytest.approx(WITHIN - grown)
-    [least] = _coarsened(within(scenario, 0.1), 2, 6).keep
+    [least] = _coarsened(within(scenario, 0.1), 2, (6, 2.0)).keep
     assert least.within == 0.05
 
 

@@ -11,10 +11,13 @@ import pytest
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import paper
 from radmpc.flying.model import Model
+from radmpc.flying.receding.guide import coarse_plan
 from radmpc.flying.receding.itinerary import Itinerary, Progress
 from radmpc.flying.receding.long_mission import LongMission
+from radmpc.flying.remainder import changed
 from radmpc.model.goal import Goal
-from radmpc.model.scenario import Scenario
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.visits import Visit
 
 HORIZON, SPACING = 24, 6.0
@@ -124,6 +127,40 @@ def test_goals_are_assigned_before_the_first_window() -> None:
     ends = [path[-1][:2] for path in flown(mission)]
     centers = [v.goal.center for v in mission.scenario.vehicles]
     assert np.abs(np.array(ends) - centers).max() < 1.0
+
+
+def test_a_goal_that_nobody_needs_may_have_a_short_window() -> None:
+    scenario = tour()
+    vehicles = tuple(replace(v, via=()) for v in scenario.vehicles)
+    spare = Goal.at([24.0, 12.0], 0.5, 0.5, within=(23, 23))
+    goals = (*(v.goal for v in vehicles), spare)
+    itinerary = Itinerary.planned(replace(scenario, vehicles=vehicles, goals=goals), 9)
+    assert [v.goal for v in itinerary.scenario.vehicles] == list(goals[:2])
+
+
+def test_goals_that_coarse_steps_cannot_tell_apart_are_given_once_each() -> None:
+    scenario = tour()
+    vehicles = tuple(replace(v, via=()) for v in scenario.vehicles)
+    coarse = coarse_plan(replace(scenario, vehicles=vehicles), 9)
+    assert coarse.stride > 1
+    goal = replace(vehicles[0].goal, within=(coarse.stride, HORIZON))
+    planned = tuple(
+        replace(v, goal=replace(goal, within=(1, HORIZON // coarse.stride))) for v in vehicles
+    )
+    plan = replace(coarse.plan, scenario=changed(coarse.plan.scenario, vehicles=planned))
+    alike = [goal, replace(goal, within=(coarse.stride - 1, HORIZON))]
+    assert replace(coarse, plan=plan).goals(alike) == alike
+
+
+def test_a_guide_without_room_for_all_noise_is_closer() -> None:
+    [vehicle] = tour().vehicles[:1]
+    south = Obstacle.box("south", [10.0, -9.0], [11.0, -0.9])
+    north = Obstacle.box("north", [10.0, 0.9], [11.0, 9.0])
+    vehicle = replace(vehicle, via=(), disturbance_covariance=4.0 * vehicle.disturbance_covariance)
+    workspace = Workspace([-2.0, -9.0], [28.0, 9.0])
+    scenario = replace(tour(), vehicles=(vehicle,), obstacles=(south, north), workspace=workspace)
+    guide = Itinerary.planned(scenario, 20).guide
+    assert abs(guide(12)[0].center[1]) < 1.0
 
 
 def test_by_a_given_guide_visits_are_due_by_the_ends_of_their_windows() -> None:

@@ -16,13 +16,14 @@ from noisy_scenes import (
 from test_flown_noise import waiting
 
 import radmpc
-from radmpc.errors import ArgumentError, RiskError, ScenarioError
+from radmpc.errors import ArgumentError, ArgumentTypeError, RiskError, ScenarioError
 from radmpc.experiments.families import paper
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
+from radmpc.flying.receding.long_mission import LongMission
 from radmpc.flying.sensing.evidence import Evidence
 from radmpc.flying.sensing.measurements import Sensing
-from radmpc.flying.tick import Tick
+from radmpc.flying.tick import Contact, Tick
 from radmpc.model.noise.measurement import Measurement
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
@@ -196,6 +197,76 @@ def test_how_well_vehicles_are_known_does_not_depend_on_the_legs_before() -> Non
     assert first == second
 
 
+def stormy(scenario: Scenario) -> Scenario:
+    """Return a scenario with four times the disturbances."""
+    vehicles = (
+        replace(v, disturbance_covariance=4.0 * v.disturbance_covariance) for v in scenario.vehicles
+    )
+    return replace(scenario, vehicles=tuple(vehicles))
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_noise_that_changed_is_that_of_later_plans_or_refused_in_one_line(scene) -> None:
+    scenario = steered(scene)
+    planner = Waiting()
+    mission = Mission(waiting(scenario), planner=planner)
+    states = [v.start for v in scenario.vehicles]
+    storm = stormy(mission.remainder(states))
+    if any(v.shared and v.measurement is not None for v in scenario.vehicles):
+        with pytest.raises(ScenarioError, match="learn of each other"):
+            mission.start_again(waiting(storm, wasted=0.0))
+        return
+    mission.start_again(waiting(storm, wasted=0.0))
+    mission.step(states)
+    [asked] = planner.asked
+    for given, told in zip(storm.vehicles, asked.vehicles, strict=True):
+        np.testing.assert_allclose(
+            told.disturbance_covariance, given.disturbance_covariance, rtol=0.2
+        )
+
+
+def test_a_step_is_measured_once() -> None:
+    scenario = steered(SCENES[0])
+    mission = Mission(waiting(scenario), planner=None)
+    states = [v.start for v in scenario.vehicles]
+    mission.remainder(states)
+    with pytest.raises(ArgumentError, match=r"states\[0\] must be as this step was measured"):
+        mission.step([state + 5.0 for state in states])
+    mission.step(states)
+
+
+def test_after_a_new_grant_what_was_hit_before_is_past() -> None:
+    scenario = steered(SCENES[0])
+    mission = Mission(waiting(scenario), planner=Waiting(STEPS - 1, STEPS - 2))
+    states = [v.start for v in scenario.vehicles]
+    hit = Contact(1, "obstacle", "v", "wall")
+    mission.step(states)
+    assert mission.step(states, contacts=[hit]).reason == "something was hit"
+    assert mission.has_failed
+    mission.start_again(waiting(mission.remainder(states)))
+    assert mission.contacts == (hit,)
+    assert not mission.has_failed
+    assert mission.step(states).reason != "something was hit"
+
+
+def test_what_was_learned_is_written_to_no_file(tmp_path) -> None:
+    scenario = steered(gusty_and_estimated)
+    mission = Mission(waiting(scenario), planner=None)
+    left = mission.remainder([v.start for v in scenario.vehicles])
+    with pytest.raises(ScenarioError, match="what was learned under way is in no file"):
+        radmpc.save_scenario(left, tmp_path / "left.yaml")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("scene", [gusty_and_estimated, estimated_as_another_sees])
+def test_what_is_left_is_a_long_mission_too(scene) -> None:
+    scenario = steered(scene)
+    mission = Mission(waiting(scenario), planner=None)
+    left = mission.remainder([v.start for v in scenario.vehicles])
+    windows = LongMission(left, window=3, overlap=1, planner=Waiting(3))
+    assert windows.scenario is left
+
+
 def test_what_is_left_may_be_given_another_bound() -> None:
     scenario = steered(SCENES[0])
     mission = Mission(waiting(scenario), planner=None)
@@ -217,6 +288,10 @@ def test_what_cannot_begin_anew_is_refused_in_one_line() -> None:
     assert "\n" not in str(caught.value)
     with pytest.raises(ArgumentError, match="states must be finite"):
         mission.remainder([np.full_like(state, np.nan) for state in states])
+    with pytest.raises(ArgumentTypeError, match="risk_bound must be a number, got 'x'"):
+        mission.remainder(states, risk_bound="x")
+    with pytest.raises(ArgumentTypeError, match="states must be a sequence of states, got 'ab'"):
+        mission.remainder("ab")
     with pytest.raises(RiskError, match=r"above 0 and below 0\.5, got 0\.7"):
         mission.remainder(states, risk_bound=0.7)
     flown(mission, scenario)

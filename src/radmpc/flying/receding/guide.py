@@ -10,6 +10,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.errors import NoPlanError
+from radmpc.flying.remainder import changed
 from radmpc.model.dynamics import LinearSystem, rollout
 from radmpc.model.goal import Goal
 from radmpc.model.obstacle import Obstacle
@@ -27,8 +28,9 @@ _COARSE = 12
 """Coarse steps that a mission is cut into at most [-]: programs of so many are planned in about a
 second."""
 
-_CLEARANCE = 2.0
-"""Standard deviations by which vehicles are grown in the coarse plan [-], which has no noise."""
+_CLEARANCES = (2.0, 0.5)
+"""Standard deviations by which vehicles are grown in the coarse plan [-], which has no noise: the
+second where the first leaves no way."""
 
 _SECONDS = 20.0
 """What one coarse plan may take [s]."""
@@ -52,18 +54,19 @@ class CoarsePlan:
     stride: int
     states: tuple[Matrix, ...]
 
-    def goal(self, goals: Sequence[Goal], vehicle: int) -> Goal:
-        """Return which of the mission's goals a vehicle was assigned.
+    def goals(self, shared: Sequence[Goal]) -> list[Goal]:
+        """Return which of the mission's goals vehicles were assigned.
 
         Parameters
         ----------
-        goals : sequence of Goal
-            That vehicles share.
-        vehicle : int
-            Its number.
+        shared : sequence of Goal
+            That vehicles share, each for one of them.
         """
-        mine = self.plan.scenario.vehicles[vehicle].goal
-        return next(g for g in goals if _are_same(mine, _goal_in_steps(g, self.stride)))
+        left, found = list(shared), []
+        for vehicle in self.plan.scenario.vehicles:
+            same = (_are_same(vehicle.goal, _goal_in_steps(g, self.stride)) for g in left)
+            found.append(left.pop(list(same).index(True)))
+        return found
 
 
 def coarse_plan(scenario: Scenario, window: int) -> CoarsePlan:
@@ -83,10 +86,11 @@ def coarse_plan(scenario: Scenario, window: int) -> CoarsePlan:
     """
     window, most = min(window, scenario.horizon), -(-scenario.horizon // _COARSE)
     strides = [s for s in range(1, 2 * most) if scenario.horizon % s == 0]
-    for stride in reversed(strides):
-        if not all(_has_steps(v, stride, scenario.horizon) for v in scenario.vehicles):
+    for clearance, stride in product(_CLEARANCES, reversed(strides)):
+        if not _has_steps(scenario, stride):
             continue
-        found = plan(_coarsened(scenario, stride, window), rng=0, time_limit=_SECONDS).plan
+        coarse = _coarsened(scenario, stride, (window, clearance))
+        found = plan(coarse, rng=0, time_limit=_SECONDS).plan
         if found is not None:
             states = (
                 rollout(v.system, v.start, np.repeat(path.controls, stride, axis=0), v.drift)
@@ -95,18 +99,23 @@ def coarse_plan(scenario: Scenario, window: int) -> CoarsePlan:
             return CoarsePlan(found, stride, tuple(states))
     raise NoPlanError(
         f"no guide for the mission of {scenario.horizon} steps was found in steps of "
-        f"{most * scenario.dt:g} s or less; give one"
+        f"{most * scenario.dt:g} s or less, {_CLEARANCES[-1]:g} deviations clear of all; give one"
     )
 
 
-def _has_steps(vehicle: Vehicle, stride: int, horizon: int) -> bool:
+def _has_steps(scenario: Scenario, stride: int) -> bool:
     """Whether windows of visits and arrival hold coarse steps, one after the other."""
-    coarse = [_in_steps(visit.window(horizon), stride) for visit in vehicle.via]
-    arrival = _in_steps(vehicle.goal.window(horizon), stride)
-    if any(first > last for first, last in [*coarse, arrival]):
-        return False
-    visits = [replace(v, between=steps) for v, steps in zip(vehicle.via, coarse, strict=True)]
-    return all(first <= last for first, last in steps_of_visits(visits, horizon // stride))
+    horizon = scenario.horizon
+    for goal in (*scenario.goals, *(vehicle.goal for vehicle in scenario.vehicles)):
+        first, last = _in_steps(goal.window(horizon), stride)
+        if first > last:
+            return False
+    for vehicle in scenario.vehicles:
+        coarse = [_in_steps(visit.window(horizon), stride) for visit in vehicle.via]
+        visits = [changed(v, between=steps) for v, steps in zip(vehicle.via, coarse, strict=True)]
+        if any(first > last for first, last in steps_of_visits(visits, horizon // stride)):
+            return False
+    return True
 
 
 def _in_steps(window: tuple[int, int], stride: int) -> tuple[int, int]:
@@ -126,13 +135,13 @@ def _goal_in_steps(goal: Goal, stride: int) -> Goal:
     return goal if goal.within is None else replace(goal, within=_in_steps(goal.within, stride))
 
 
-def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
+def _coarsened(scenario: Scenario, stride: int, grown_by: tuple[int, float]) -> Scenario:
     """Return a mission in coarse steps without noise, vehicles grown, ranges narrowed instead."""
-    vehicles = []
+    (window, clearance), vehicles = grown_by, []
     for v in scenario.vehicles:
         place = list(v.system.position)
         spread = v.covariances(window)[-1][np.ix_(place, place)]
-        grown = v.radius + _CLEARANCE * float(np.sqrt(np.linalg.eigvalsh(spread)[-1]))
+        grown = v.radius + clearance * float(np.sqrt(np.linalg.eigvalsh(spread)[-1]))
         vehicles.append(
             replace(
                 _with_windows(v, stride, scenario.horizon),
@@ -143,6 +152,7 @@ def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
                 disturbance_covariance=0.0 * v.disturbance_covariance,
                 disturbance_correlation=0.0,
                 measurement=None,
+                known=None,
                 shared=(),
                 drift=None if v.drift is None else _summed(v.system.A, stride) @ v.drift,
             )
@@ -154,7 +164,7 @@ def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
         dt=scenario.dt * stride,
         horizon=scenario.horizon // stride,
         vehicles=tuple(vehicles),
-        obstacles=tuple(_every(obstacle, stride) for obstacle in scenario.obstacles),
+        obstacles=tuple(_every(obstacle, stride, clearance) for obstacle in scenario.obstacles),
         avoidance="intervals" if stride > 1 else scenario.avoidance,
         covariance_samples=None,
         goals=tuple(_goal_in_steps(goal, stride) for goal in scenario.goals),
@@ -167,14 +177,14 @@ def _are_same(one: Goal, other: Goal) -> bool:
     return one.within == other.within and all(np.array_equal(a, b) for a, b in pairs)  # type: ignore[arg-type]
 
 
-def _every(obstacle: Obstacle, stride: int) -> Obstacle:
+def _every(obstacle: Obstacle, stride: int, clearance: float) -> Obstacle:
     """Return an obstacle at coarse steps, grown where it may stray instead."""
     if not obstacle.is_moving:
         return obstacle
     spread, outlines = obstacle.spread, []
     for step in range(0, len(obstacle.steps), stride):
         points = np.vstack([piece.vertices for piece in obstacle.at(step)])
-        more = _CLEARANCE * (0.0 if spread is None else spread.deviation(step))
+        more = clearance * (0.0 if spread is None else spread.deviation(step))
         corners = more * np.array(list(product((-1.0, 1.0), repeat=obstacle.dimension)))
         outlines.append((points[:, None] + corners).reshape(-1, obstacle.dimension))
     return replace(Obstacle.moving(obstacle.name, outlines), concerns=obstacle.concerns)

@@ -208,8 +208,7 @@ class Itinerary:
 
 def _assigned(scenario: Scenario, coarse: CoarsePlan) -> Scenario:
     """Return a mission with the goals that its coarse plan assigned."""
-    chosen = (coarse.goal(scenario.goals, i) for i in range(len(scenario.vehicles)))
-    pairs = zip(scenario.vehicles, chosen, strict=True)
+    pairs = zip(scenario.vehicles, coarse.goals(scenario.goals), strict=True)
     return changed(scenario, vehicles=tuple(changed(v, goal=goal) for v, goal in pairs), goals=())
 
 

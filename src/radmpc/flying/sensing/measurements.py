@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from radmpc.arrays import Vector
+from radmpc.errors import ArgumentError
 from radmpc.flying.knowing import expected_anew
 from radmpc.flying.leg import Leg
 from radmpc.flying.measuring import are_known_alike
@@ -76,7 +79,7 @@ class Sensing:
         scenario, step = leg.plan.scenario, leg.began
         if self.seen is not None and self.seen[0] == step:
             rest = self.evidence.left(tail, step, self.seen[1], scenario.risk_bound)
-            if are_known_alike(scenario.vehicles, rest.vehicles):
+            if are_known_alike(scenario, rest):
                 known = leg.begun(self.seen[1])
                 self.seen = step, known, self.seen[2]
                 self.evidence = self.evidence.elsewhere(scenario, step)
@@ -111,8 +114,14 @@ class Sensing:
         is_certain : bool
             Whether it was known at the step before where vehicles were: what was not measured may
             be off by twice the noise.
+
+        Raises
+        ------
+        ArgumentError
+            If other states were measured at this step before.
         """
         if self.seen is not None and self.seen[0] == step:
+            self._check_same(states)
             return self.seen[1], list(self.seen[2])
         acting = None if leg is None else (leg.began, leg.plan.scenario)
         known = self.observer.known(step, expected, states, acting)
@@ -125,3 +134,13 @@ class Sensing:
         self.evidence = self.evidence.after(*seen, together)
         self.seen = step, known, tuple(alarms)
         return known, alarms
+
+    def _check_same(self, states: Sequence[Vector]) -> None:
+        """Refuse states that are not those of the step that was looked at."""
+        before = () if self.seen is None else self.seen[1]
+        for i, (known, state) in enumerate(zip(before, states, strict=True)):
+            if not np.array_equal(known[: state.size], state):
+                raise ArgumentError(
+                    f"states[{i}] must be as this step was measured already, "
+                    f"{known[: state.size].tolist()}, got {state.tolist()}"
+                )

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.errors import ScenarioError
 from radmpc.io.native.moving import encode_track
 from radmpc.io.native.noise import encode_correlation, encode_drift, encode_sensor
 from radmpc.io.native.plain import plain_mapping
@@ -152,6 +153,9 @@ def _whom(obstacle: Obstacle) -> dict[str, object]:
 
 def _vehicle(vehicle: Vehicle, dt: float) -> dict[str, object]:
     """Return a vehicle's fields, without those that are as when absent."""
+    if vehicle.known is not None:
+        message = "what was learned under way is in no file: keep the scenario in the program"
+        raise ScenarioError(message, ("vehicles", vehicle.name, "known"))
     content: dict[str, object] = {
         "name": vehicle.name,
         "start": _start(vehicle),
