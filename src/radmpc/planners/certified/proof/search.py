@@ -138,8 +138,8 @@ class BoundSearch:
                 self._search(num_directions)
                 _LOG.info(
                     "bound on any plan%s: %.6g with %d directions at a price of %.3g, %d nodes",
-                    " by faces" * self.is_by_faces,
-                    *(self.best, num_directions, self.price, self.nodes),
+                    *(" by faces" * self.is_by_faces, self.best),
+                    *(num_directions, self.price, self.nodes),
                 )
                 if self.is_over or not self._has_moved_price():
                     break
@@ -148,8 +148,7 @@ class BoundSearch:
 
     def relaxed_controls(self) -> tuple[Matrix, ...]:
         """Return the best plan of the relaxation; nothing where it is the plan at hand."""
-        controls = list(self.incumbent.controls)
-        is_other = False
+        controls, is_other = list(self.incumbent.controls), False
         for members, whole in self._found():
             if whole.best is None:
                 continue
@@ -216,11 +215,10 @@ class BoundSearch:
         num_directions : int
             Directions around every hazard; of no meaning by faces.
         """
-        gap, nodes = TUNING.set_gap * TUNING.finer**effort, nodes * 2**effort
+        gap, nodes, is_new = TUNING.set_gap * TUNING.finer**effort, nodes * 2**effort, False
         worth = TUNING.worth * self.gap * self.incumbent.cost
-        left = self.most_nodes - self.nodes
-        order = PartOrder(self.price, num_directions, gap, nodes, worth, left)
-        is_new = False
+        spare = self.most_nodes - self.nodes
+        order = PartOrder(self.price, num_directions, gap, nodes, worth, spare)
         with closing(self._answers(order, parts)) as answers:
             for members, answer in answers:
                 is_new |= answer.is_new
@@ -246,11 +244,7 @@ class BoundSearch:
     def _answers(
         self, order: PartOrder, parts: Sequence[Members]
     ) -> Generator[tuple[Members, PartAnswer], None, None]:
-        """Yield what came of every part that promises anything, in order; who asks keeps it.
-
-        Elsewhere parts are begun before it is known what those before them leave of the nodes:
-        what took more than that is done again within it.
-        """
+        """Yield what came of every part that promises anything, in order; who asks keeps it."""
         chosen = [m for m in parts if self._paid_for_hazards(m) > order.worth]
         # Of what is known now, so that workers and this process are asked the same.
         missing = self._missing()
@@ -263,22 +257,28 @@ class BoundSearch:
         limits, executor = self.fleet.limits, self.fleet.executor
         with closing(in_order(search_part, tasks, limits, executor)) as answers:
             for members, asked, answer in zip(chosen, orders, answers, strict=True):
-                if answer is None or answer.nodes >= self.most_nodes - self.nodes:
+                if answer is None or answer.nodes >= self._nodes_left:
                     answer = self._answer_here(members, asked)  # noqa: PLW2901 - what counts
                 yield members, answer
 
     def _task(self, members: Members, order: PartOrder) -> PartTask:
         """Return what a part is given."""
         if members not in self.parts:
-            below = bounds_within(members, self.below, self.price)
             part = Part.of(self.fleet, self.incumbent, members, self.tails)
-            self.parts[members] = replace(part, below=below)
+            self.parts[members] = replace(
+                part, below=bounds_within(members, self.below, self.price)
+            )
         return PartTask(self.parts[members], self.known.get(members, {}), order)
 
     def _answer_here(self, members: Members, order: PartOrder) -> PartAnswer:
-        """Search a part in this process, within the nodes that are left."""
-        left = self.most_nodes - self.nodes
-        return search_part(self._task(members, replace(order, most_nodes=left)), self.fleet.limits)
+        """Search a part in this process."""
+        order = replace(order, most_nodes=min(order.most_nodes, self._nodes_left))
+        return search_part(self._task(members, order), self.fleet.limits)
+
+    @property
+    def _nodes_left(self) -> float:
+        """Nodes left to a part; of a large fleet all, for two processes need no part twice then."""
+        return float("inf") if self.fleet.is_large else self.most_nodes - self.nodes
 
     def _bound_here(self) -> float:
         """Return the bound at the present price."""
@@ -292,8 +292,8 @@ class BoundSearch:
 
     def _has_moved_price(self) -> bool:
         """Choose a better price where the relaxed plans risk far more or less than Δ."""
-        risk = sum(whole.best.risk for _, whole in self._found() if whole.best is not None)
-        ratio = risk / self.fleet.scenario.risk_bound
+        risks = (whole.best.risk for _, whole in self._found() if whole.best is not None)
+        ratio = sum(risks) / self.fleet.scenario.risk_bound
         if self.price <= 0.0 or 1.0 / TUNING.off < ratio < TUNING.off:
             return False
         self.price *= min(max(ratio, 1.0 / TUNING.most_move), TUNING.most_move)
