@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from noisy_scenes import (
     SCENES,
+    beside,
     estimated_as_another_sees,
     estimated_in_a_new_wind_and_unsure,
     gusty_and_estimated,
@@ -223,6 +224,20 @@ def test_noise_that_changed_is_that_of_later_plans_or_refused_in_one_line(scene)
         np.testing.assert_allclose(
             told.disturbance_covariance, given.disturbance_covariance, rtol=0.2
         )
+
+
+def test_what_was_announced_is_no_sign_against_the_model() -> None:
+    scenario = steered(beside)
+    mission = Mission(waiting(scenario), planner=None)
+    [start] = [v.start for v in scenario.vehicles]
+    deviation = np.sqrt(scenario.vehicles[0].disturbance_covariance[0, 0])
+    mission.start_again(waiting(stormy(mission.remainder([start])), wasted=0.0))
+    assert not mission.step([start]).alarms
+    # Six deviations of before, three by now.
+    aside = np.array([deviation, 0.0])
+    assert not mission.step([start + 6.0 * aside]).alarms
+    alarms = mission.step([start + 17.0 * aside]).alarms
+    assert any("a disturbance of" in alarm for alarm in alarms)
 
 
 def test_a_step_is_measured_once() -> None:

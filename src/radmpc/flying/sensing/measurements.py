@@ -85,6 +85,7 @@ class Sensing:
                 self.evidence = self.evidence.elsewhere(scenario, step)
                 return replace(leg, scale=self.evidence.scale), known
         begun = expected_anew(scenario, expected)
+        self.watcher = Watcher(scenario, self.watcher.squares)
         self.observer = Observer.of(scenario, step)
         self.evidence = Evidence.of(scenario, step)
         self.seen = None
