@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -34,6 +35,15 @@ def beside(wall: Obstacle = WALL, **noise: object) -> Scenario:
         **noise,
     )
     return Scenario("wall", 1.0, STEPS, BOUND, (vehicle,), (wall,), avoidance="steps")
+
+
+def steered(scene: Callable[[], Scenario], steps: int = 5) -> Scenario:
+    """Return a scene of more steps near the wall, all steered, its bound one that waiting keeps."""
+    scenario = scene()
+    gain = np.array([[-0.6, 0.1], [0.0, -0.5]])
+    vehicles = tuple(replace(v, gain=gain) for v in scenario.vehicles)
+    vehicles = (replace(vehicles[0], start=[0.0, 0.6]), *vehicles[1:])
+    return replace(scenario, vehicles=vehicles, horizon=steps, risk_bound=0.49)
 
 
 def estimated() -> Scenario:

@@ -14,6 +14,7 @@ from noisy_scenes import (
     estimated,
     estimated_as_another_sees,
     gusty,
+    steered,
 )
 from test_flown_noise import waiting
 
@@ -35,16 +36,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.referee.conditional.scales import Scale
 
-STEPS, BEGINS = 5, 2
-
-
-def steered(scene: Callable[[], Scenario]) -> Scenario:
-    """Return a scene of more steps near the wall, all steered, its bound one that waiting keeps."""
-    scenario = scene()
-    gain = np.array([[-0.6, 0.1], [0.0, -0.5]])
-    vehicles = tuple(replace(v, gain=gain) for v in scenario.vehicles)
-    vehicles = (replace(vehicles[0], start=[0.0, 0.6]), *vehicles[1:])
-    return replace(scenario, vehicles=vehicles, horizon=STEPS, risk_bound=0.49)
+BEGINS = 2
 
 
 def asked(*calls: int) -> Callable[[Scenario, float | None], Plan | None]:

@@ -13,6 +13,7 @@ from noisy_scenes import (
     estimated_as_another_sees,
     estimated_in_a_new_wind_and_unsure,
     gusty_and_estimated,
+    steered,
 )
 from test_flown_noise import waiting
 
@@ -30,15 +31,6 @@ from radmpc.model.scenario import Scenario
 
 STEPS, BEGINS, ANEW = 5, 2, 3
 ROCK = Obstacle.box("rock", [700.0, 300.0], [710.0, 310.0])
-
-
-def steered(scene: Callable[[], Scenario]) -> Scenario:
-    """Return a scene of more steps near the wall, all steered, its bound one that waiting keeps."""
-    scenario = scene()
-    gain = np.array([[-0.6, 0.1], [0.0, -0.5]])
-    vehicles = tuple(replace(v, gain=gain) for v in scenario.vehicles)
-    vehicles = (replace(vehicles[0], start=[0.0, 0.6]), *vehicles[1:])
-    return replace(scenario, vehicles=vehicles, horizon=STEPS, risk_bound=0.49)
 
 
 class Waiting:

@@ -15,6 +15,7 @@ from radmpc.model.dynamics import LinearSystem, rollout
 from radmpc.model.goal import Goal
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
+from radmpc.model.relations.goals import places_of
 from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
@@ -62,11 +63,9 @@ class CoarsePlan:
         shared : sequence of Goal
             That vehicles share, each for one of them.
         """
-        left, found = list(shared), []
-        for vehicle in self.plan.scenario.vehicles:
-            same = (_are_same(vehicle.goal, _goal_in_steps(g, self.stride)) for g in left)
-            found.append(left.pop(list(same).index(True)))
-        return found
+        mine = [vehicle.goal for vehicle in self.plan.scenario.vehicles]
+        places = places_of([_goal_in_steps(goal, self.stride) for goal in shared], mine)
+        return [shared[place] for place in places if place is not None]
 
 
 def coarse_plan(scenario: Scenario, window: int) -> CoarsePlan:
@@ -169,12 +168,6 @@ def _coarsened(scenario: Scenario, stride: int, grown_by: tuple[int, float]) -> 
         covariance_samples=None,
         goals=tuple(_goal_in_steps(goal, stride) for goal in scenario.goals),
     )
-
-
-def _are_same(one: Goal, other: Goal) -> bool:
-    """Whether nothing tells two goals apart."""
-    pairs = (one.lower, other.lower), (one.upper, other.upper), (one.speed, other.speed)
-    return one.within == other.within and all(np.array_equal(a, b) for a, b in pairs)  # type: ignore[arg-type]
 
 
 def _every(obstacle: Obstacle, stride: int, clearance: float) -> Obstacle:
