@@ -176,8 +176,9 @@ def stacked_chance_rows(
         row_base += block.offsets.size
         event_base += block.event_steps.size
     values = _join([b.entry_values for b in blocks], np.float64)
-    columns = _join([b.entry_outputs for b in blocks], np.int64)
-    where = (_join(entry_rows, np.int64), columns)
+    # SciPy keeps the integers it is given: small ones take half the memory, and are read sooner.
+    columns = _join([b.entry_outputs for b in blocks], np.int32)
+    where = (_join(entry_rows, np.int32), columns)
     return ChanceRows(
         normals=csr_array((values, where), shape=(row_base, num_outputs)),
         offsets=_join([b.offsets for b in blocks], np.float64),
@@ -209,4 +210,6 @@ def run_starts(sizes: Sequence[Indices]) -> Indices:
 
 def _join(parts: Sequence[np.ndarray], kind: type) -> np.ndarray:
     """Concatenate arrays; without any, an empty one of a kind."""
-    return np.concatenate(parts) if parts else np.zeros(0, dtype=kind)
+    if not parts:
+        return np.zeros(0, dtype=kind)
+    return np.concatenate(parts, dtype=kind, casting="same_kind")

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 
 __all__ = ["Body", "End", "Part", "RowBlock", "Windows"]
+
+
+Integers = npt.NDArray[np.signedinteger]
+"""Of any width: there are as many as a program has entries or rows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,21 +168,33 @@ class RowBlock:
         where there is but one.
     """
 
-    entry_rows: Indices
-    entry_outputs: Indices
+    entry_rows: Integers
+    entry_outputs: Integers
     entry_values: Vector
     offsets: Vector
     deviations: Vector
-    events: Indices
+    events: Integers
     event_steps: Indices
-    alternative_sizes: Indices
+    alternative_sizes: Integers
     avoidance_sizes: Indices
     avoidance_windows: Indices
     presolved_risk: float
     num_presolved: int = 0
-    alternative_parents: Indices | None = None
+    alternative_parents: Integers | None = None
     event_things: Indices | None = None
     avoidance_things: Indices | None = None
+
+    def compact(self) -> RowBlock:
+        """Return the same, numbers of entries, rows and alternatives in half the memory."""
+        parents = self.alternative_parents
+        return replace(
+            self,
+            entry_rows=self.entry_rows.astype(np.int32),
+            entry_outputs=self.entry_outputs.astype(np.int32),
+            events=self.events.astype(np.int32),
+            alternative_sizes=self.alternative_sizes.astype(np.int32),
+            alternative_parents=None if parents is None else parents.astype(np.int32),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

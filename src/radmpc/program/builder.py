@@ -233,7 +233,7 @@ class ProgramBuilder:
             RiskItem(cause, vehicle, others[thing], first + window)
             for thing, window in zip(of_windows.tolist(), windows.tolist(), strict=True)
         ]
-        self.blocks.append(block)
+        self.blocks.append(block.compact())
         self.block_risk_items.append(base + numbers)
 
     def _charge_starts(self, body: Body, normals: Tensor, offsets: Matrix, labels: _Labels) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
@@ -47,6 +45,18 @@ class Touching:
         return cls(clearances, slopes, tail.probability(clearances) / unit + slopes * clearances)
 
 
+class _RowsOf(dict[int, list[int]]):
+    """The rows of alternatives, as far as they were asked for."""
+
+    def __init__(self, program: DisjunctiveProgram) -> None:
+        self._program = program
+
+    def __missing__(self, alternative: int) -> list[int]:
+        rows: list[int] = self._program.rows_of(alternative).tolist()
+        self[alternative] = rows
+        return rows
+
+
 class RowTangents:
     """Tangents to the risk of a program's chance rows, computed once for all searches of it.
 
@@ -69,11 +79,11 @@ class RowTangents:
         The tangents that a row begins with.
     tail : Tail
         Of what rows deviate by.
-    is_noisy : list of bool
-        Whether each row has noise; without it has no tangents.
-    events : list of int
+    is_noisy : bytes
+        Whether each row has noise, 1 or 0; without it has no tangents.
+    events : memoryview of int
         The event of each row.
-    rows_of : list of list of int
+    rows_of : mapping of int to list of int
         The rows of each alternative.
     """
 
@@ -86,10 +96,10 @@ class RowTangents:
         self.right: Vector = rows.offsets - rows.normals @ program.constant
         at = (self.floor, *(q for q in TUNING.first_tangents if q > self.floor + 0.2))
         self.first = Touching.at(np.array(at), unit, self.tail)
-        self.is_noisy: list[bool] = (rows.deviations > 0.0).tolist()
-        self.events: list[int] = rows.events.tolist()
-        starts, members = program.alternative_starts.tolist(), program.alternative_rows.tolist()
-        self.rows_of: list[list[int]] = [members[a:b] for a, b in pairwise(starts)]
+        # Searches ask for a few of a hundred thousand rows: lists of all take 12 MB a program.
+        self.is_noisy = (rows.deviations > 0.0).tobytes()
+        self.events = rows.events.data
+        self.rows_of = _RowsOf(program)
         self._coefficients: dict[int, tuple[Numbers, Vector]] = {}
         self._beginnings: dict[int, tuple[Numbers, Matrix, Vector]] = {}
 

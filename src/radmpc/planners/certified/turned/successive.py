@@ -29,7 +29,7 @@ __all__ = ["SuccessiveLp"]
 _MISSED = 1e-7
 """What half-spaces may be missed by in all [m]."""
 
-_WARM = 256
+_WARM = 64
 """Vehicles of linear programs that are kept warm at most [-]: 0.3 to 5 MB for each of them."""
 
 _ASKED = 16

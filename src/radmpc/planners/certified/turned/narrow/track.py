@@ -114,7 +114,10 @@ class Track:
         distance = np.linalg.norm(closest, axis=1)
         lack: Vector = self.price * np.maximum(apart - distance, 0.0)
         lack[distance < touching + spread] = np.inf
-        return step, near, lack.reshape(ends.shape)
+        lack = lack.reshape(ends.shape)
+        # Four fifths of what may be near is not, whatever the move, and all of it is kept for long.
+        costs_any = lack.any(axis=1)
+        return step[costs_any], near[costs_any], lack[costs_any]
 
     def paced(
         self,
