@@ -215,8 +215,7 @@ class Turning:
         """
         task, paths = self.task, self.successive.paths
         control = PriceControl(self.price, task.risk_bound, task.gap, rival)
-        if len(self.groups) > 1:
-            self.successive.forget_all_but(self.groups)
+        self.successive.forget_all_but(self.groups)
         control.begin(self._take(), paths.cost(), paths.state())
         for number in range(rounds):
             if task.limits.reached or control.is_over or self._has_spent(number):
