@@ -15,9 +15,6 @@ from radmpc.records import dataclass
 
 __all__ = ["Room"]
 
-_DRAWS_EACH = 20_000
-"""Draws of one point before it is given up."""
-
 
 def _anywhere(number: int, point: Vector) -> bool:
     """Accept every point."""
@@ -41,6 +38,8 @@ class Room:
         Least distance between points [m].
     around : tuple of (N, d) array and float, or None
         Draw point i within this distance per axis of the i-th of these points.
+    draws_each : int
+        Draws of one point before it is given up [-].
     """
 
     lower: Vector
@@ -49,6 +48,7 @@ class Room:
     clearance: float = 0.0
     apart: float = 0.0
     around: tuple[Matrix, float] | None = None
+    draws_each: int = 20_000
 
     def scatter(
         self,
@@ -81,7 +81,7 @@ class Room:
         points = np.empty((count, self.lower.size))
         taken: dict[tuple[int, ...], list[int]] = defaultdict(list)
         for i in range(count):
-            for _ in range(_DRAWS_EACH):
+            for _ in range(self.draws_each):
                 point = self._draw(rng, i)
                 if accept(i, point) and self._is_free(point, points, taken, tree):
                     break

@@ -11,12 +11,19 @@ from radmpc.experiments.scatter import Room
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.records import replace
 
 __all__ = ["swarm"]
 
 _VOLUME = 0.9
 """Volume per drone [m³]: 20 in 3 m × 3 m × 2 m, as in the problems `empty_20agents` of the LSC
 planner (Park, Kim, Oh, Kim, ICRA 2022)."""
+
+_FEW = range(3, 8)
+"""Drones that may leave each other no room [-], however often the last one is drawn."""
+
+_DRAWS_OF_FEW = 500
+"""Draws of one of few drones before all are drawn anew [-]: 20,000 take half a second."""
 
 _DRAWS = 100
 """How often all points are drawn anew at most [-]: of four drones every second draw leaves room."""
@@ -50,6 +57,8 @@ def swarm(num_vehicles: int, seed: int) -> Scenario:
     # Three drones at least, so that there is room for starts 0.5 m from the faces.
     size = np.cbrt(_VOLUME * max(num_vehicles, 3) / 18.0) * np.array([3.0, 3.0, 2.0])
     room = Room(np.full(3, 0.5), size - 0.5, apart=0.5)
+    if num_vehicles in _FEW:
+        room = replace(room, draws_each=_DRAWS_OF_FEW)
     starts, goals = (_scattered(room, rng, num_vehicles) for _ in range(2))
     # At 1 m/s along every axis, a second to get there and one to stop.
     longest = float(np.abs(goals - starts).max()) + 1.0

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from radmpc.experiments.families import paper
+from radmpc.model.goal import Goal
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Workspace
+from radmpc.planners import Branch, Certified, Optimal, Planner
 from radmpc.planners.certified import fallbacks
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.verdict import Verdict
+from radmpc.planning import plan
 from radmpc.solvers.solution import Limits
 
 
@@ -37,3 +45,25 @@ def test_the_safest_plan_is_tried_even_if_plans_without_noise_take_long(
     fallbacks.last_resort(search, SearchState.of(fleet))
     assert len(tried) == 1
     assert tried[0].controls
+
+
+def test_who_is_not_persistent_neither_seeks_reasons_nor_more_faces(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    vehicle = replace(paper(2, 1).vehicles[0], start=np.zeros(4), goal=Goal.at([24.0, 0.0], 0.5))
+    walls = (
+        Obstacle.box("south", [10.0, -9.0], [11.0, -0.2]),
+        Obstacle.box("north", [10.0, 0.2], [11.0, 9.0]),
+    )
+    workspace = Workspace([-2.0, -9.0], [28.0, 9.0])
+    drawn = replace(paper(2, 1), vehicles=(vehicle,), horizon=24, avoidance="intervals")
+    scenario = replace(drawn, obstacles=walls, workspace=workspace)
+    asked: list[str] = []
+    monkeypatch.setattr(fallbacks, "why_not", lambda *args: asked.append("why"))
+    monkeypatch.setattr(fallbacks, "_with_more_faces", lambda *args: asked.append("faces"))
+    record = Planner(Optimal(), Branch(), Certified(is_persistent=False))
+    result = plan(scenario, record, rng=0)
+    assert result.plan is None
+    assert not asked
+    assert result.explanation.startswith("No plan was found, and none was ruled out")
+    assert str(record.decomposition) == "certified"

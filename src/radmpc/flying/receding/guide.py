@@ -20,6 +20,7 @@ from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import steps_of_visits
+from radmpc.planners import Branch, Certified, Optimal, Planner
 from radmpc.planning import plan
 from radmpc.records import dataclass
 
@@ -85,11 +86,12 @@ def coarse_plan(scenario: Scenario, window: int) -> CoarsePlan:
     """
     window, most = min(window, scenario.horizon), -(-scenario.horizon // _COARSE)
     strides = [s for s in range(1, 2 * most) if scenario.horizon % s == 0]
-    for clearance, stride in product(_CLEARANCES, reversed(strides)):
-        if not _has_steps(scenario, stride):
-            continue
+    strides = [s for s in reversed(strides) if _has_steps(scenario, s)]
+    # Less clearance is a way sooner than more faces are.
+    for is_persistent, clearance, stride in product((False, True), _CLEARANCES, strides):
         coarse = _coarsened(scenario, stride, (window, clearance))
-        found = plan(coarse, rng=0, time_limit=_SECONDS).plan
+        record = Planner(Optimal(), Branch(), Certified(is_persistent=is_persistent))
+        found = plan(coarse, record, rng=0, time_limit=_SECONDS).plan
         if found is not None:
             states = (
                 rollout(v.system, v.start, np.repeat(path.controls, stride, axis=0), v.drift)

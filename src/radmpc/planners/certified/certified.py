@@ -17,6 +17,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.sure import sure_why_not
 from radmpc.planners.certified.phases.improving import improved, turned_to_others
+from radmpc.planners.certified.phases.time_shares import but_for_proof, limits_of_search
 from radmpc.planners.certified.proof.grouping import Known
 from radmpc.planners.certified.proof.prove import Proof, bound_on_any
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
@@ -49,9 +50,13 @@ class Certified(Decomposition):
     proof_seconds : float or None
         How long the bound on any certified plan may be searched for [s]; None for as long as
         the plan took, a fifth of a second at least.
+    is_persistent : bool
+        Whether more faces, more effort and the reasons are tried where the search finds no plan,
+        which takes many times as long. Else it says no more than that none was found.
     """
 
     proof_seconds: float | None = None
+    is_persistent: bool = True
 
     families: ClassVar[frozenset[Family]] = frozenset({"priced"})
     solvers: ClassVar[tuple[type[Solver], ...]] = (Branch,)
@@ -84,7 +89,7 @@ class Certified(Decomposition):
         ruled_out = sure_why_not(scenario, run.limits)
         if ruled_out is not None:
             return _empty(scenario, ruled_out, begun)
-        result = _searched(scenario, planner, run, self.proof_seconds)
+        result = _searched(scenario, planner, run, self)
         has_any = result.state.has_plan or result.first.controls
         if result.answer is not None and not has_any:
             return _empty(scenario, result.answer, begun)
@@ -100,7 +105,7 @@ class Certified(Decomposition):
         best = first if first.cost < state.incumbent.cost else state.incumbent
         run.improved(best.controls)
         run.progress("improving", 0, 1)
-        improving = fleet.with_limits(_but_for_proof(run.limits, time.perf_counter() - begun))
+        improving = fleet.with_limits(but_for_proof(run.limits, time.perf_counter() - begun))
         state = improved(improving, state, first, run.judge)
         run.progress("proving", 0, 1)
         proof = self._proof(fleet.with_limits(run.limits), state, result.known)
@@ -119,14 +124,6 @@ class Certified(Decomposition):
             least = PROOF_TUNING.least_nodes * few
             most_nodes = max(least, PROOF_TUNING.node_share * searched)
         return bound_on_any(fleet, state.incumbent, price, most_nodes, known)
-
-
-def _but_for_proof(limits: Limits, elapsed: float) -> Limits:
-    """Return limits that leave time for the proof."""
-    left = limits.seconds_left
-    if left == float("inf"):
-        return limits
-    return limits.within(max(left - PROOF_TUNING.reserve * (left + elapsed), 0.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -164,11 +161,9 @@ class _SearchResult:
     known: Known = field(default_factory=dict)
 
 
-def _searched(
-    scenario: Scenario, planner: Planner, run: Run, proof_seconds: float | None
-) -> _SearchResult:
+def _searched(scenario: Scenario, planner: Planner, run: Run, record: Certified) -> _SearchResult:
     """Search for the best plan; where the search finds none, try what else leads to one."""
-    begin = _limits_of_search(run.limits)
+    begin = limits_of_search(run.limits)
     hazards = Hazards.of(scenario, condensed_models(scenario))
     is_tight = _is_tight(scenario)
     first = _first(scenario, planner.gap, run, begin, hazards, is_needed=is_tight)
@@ -180,7 +175,7 @@ def _searched(
         from radmpc.planners.certified.phases.ahead import prove_ahead  # noqa: PLC0415 - not along intervals
 
         run.progress("proving", 0, 1)
-        ahead = prove_ahead(fleet, first, run.judge, proof_seconds)
+        ahead = prove_ahead(fleet, first, run.judge, record.proof_seconds)
         first, on_any, known = ahead.state.incumbent, ahead.on_any, ahead.known
         if ahead.is_closed:
             return _SearchResult(search, ahead.state, first, None, None, on_any, True)
@@ -193,7 +188,8 @@ def _searched(
         return _SearchResult(search, state, first, None, stopped_by, on_any, known=known)
     from radmpc.planners.certified.fallbacks import last_resort  # noqa: PLC0415 - few need it
 
-    last = last_resort(search.with_limits(begin if first.controls else run.limits), state)
+    limits = begin if first.controls else run.limits
+    last = last_resort(search.with_limits(limits), state, is_persistent=record.is_persistent)
     stopped_by = stopped_by or begin.reason or None
     found = _SearchResult(last.search, last.state, first, last.answer, stopped_by, on_any)
     return replace(found, known=known)
@@ -244,15 +240,6 @@ def _fleet(
 
         fleet = with_least_visits(fleet)
     return fleet
-
-
-def _limits_of_search(limits: Limits) -> Limits:
-    """Return limits that leave time for turning half-spaces and for the proof."""
-    seconds = limits.seconds_left
-    if seconds == float("inf"):
-        return limits
-    kept = max(TUNING.time_share * seconds, min(TUNING.seconds, TUNING.most_time_share * seconds))
-    return limits.within(seconds - kept - PROOF_TUNING.reserve * seconds)
 
 
 def _tell_first(run: Run, incumbent: FleetIncumbent) -> None:

@@ -41,7 +41,9 @@ class LastResort:
     answer: WhyNot
 
 
-def last_resort(search: PriceSearch, state: SearchState) -> LastResort:
+def last_resort(
+    search: PriceSearch, state: SearchState, *, is_persistent: bool = True
+) -> LastResort:
     """Go on without a plan: from the safest, with more faces, with more effort, until time is up.
 
     Parameters
@@ -50,6 +52,8 @@ def last_resort(search: PriceSearch, state: SearchState) -> LastResort:
         That found none.
     state : SearchState
         Where it ended.
+    is_persistent : bool
+        Whether to go on where a plan without noise leads to none either.
 
     Returns
     -------
@@ -65,7 +69,7 @@ def last_resort(search: PriceSearch, state: SearchState) -> LastResort:
     if state.has_plan and state.budget > 0.0 and state.without_plan() is None:
         # Prices that were doubtful without any plan are not so with one: go on for a bound.
         state = search.run(state)
-    while not limits.reached and not state.has_plan:
+    while is_persistent and not limits.reached and not state.has_plan:
         if answer is None:
             answer = why_not(scenario, limits)
             if answer.controls:

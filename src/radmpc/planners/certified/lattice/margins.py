@@ -6,7 +6,6 @@ place and a slack (`parking` of s2m2: 6 MB a search, not 124).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy.typing as npt
 from radmpc.arrays import Indices, Vector
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes
 from radmpc.planners.certified.lattice.moves import Lattice
+from radmpc.records import dataclass
 
 __all__ = ["Margin", "measured"]
 

@@ -1,0 +1,40 @@
+"""How the time that a plan may take is shared among its phases."""
+
+from __future__ import annotations
+
+from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
+from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.solvers.solution import Limits
+
+__all__ = ["but_for_proof", "limits_of_search"]
+
+
+def limits_of_search(limits: Limits) -> Limits:
+    """Return limits that leave time for turning half-spaces and for the proof.
+
+    Parameters
+    ----------
+    limits : Limits
+        Of the plan, as it begins.
+    """
+    seconds = limits.seconds_left
+    if seconds == float("inf"):
+        return limits
+    kept = max(TUNING.time_share * seconds, min(TUNING.seconds, TUNING.most_time_share * seconds))
+    return limits.within(seconds - kept - PROOF_TUNING.reserve * seconds)
+
+
+def but_for_proof(limits: Limits, elapsed: float) -> Limits:
+    """Return limits that leave time for the proof.
+
+    Parameters
+    ----------
+    limits : Limits
+        Of the plan.
+    elapsed : float
+        Since it began [s].
+    """
+    left = limits.seconds_left
+    if left == float("inf"):
+        return limits
+    return limits.within(max(left - PROOF_TUNING.reserve * (left + elapsed), 0.0))
