@@ -216,7 +216,7 @@ class Tuning:
     nearly: float = 0.2
     most_missed: float = 1.0
     first_seconds: float = 30.0
-    first_time_share: float = 0.6
+    first_time_share: float = 0.8
     alike: float = 0.01
     easy_share: float = 0.1
     fastest: float = 0.95
