@@ -80,6 +80,8 @@ class Mission(Logbook):
         If there is no such planner.
     """
 
+    _granted = "Δ = "  # what alarms call the risk bound
+
     def __init__(
         self,
         result: Result | Plan,
@@ -269,9 +271,9 @@ class Mission(Logbook):
         """Value the tail, and decide what is flown."""
         value = self._leg.value(self._step, states, self._sensing.evidence.scale)
         self._account = self._account.kept(value.least)
-        bound = self._account.risk_bound
-        if value.total > bound:
-            alarms.append(f"what is left risks {value.total:.3g}, more than Δ = {bound:.3g}")
+        if value.total > self._account.risk_bound:
+            granted = f"{self._granted}{self._account.risk_bound:.3g}"
+            alarms.append(f"what is left risks {value.total:.3g}, more than {granted}")
         if self.has_failed:
             return Decision(None, self._failure(), value.total, None, value.next_step)
         now = self._account, self._sensing.evidence

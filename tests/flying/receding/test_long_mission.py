@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -205,3 +206,17 @@ def test_windows_must_be_windows() -> None:
         LongMission(scenario, window=8, overlap=8, planner=steering)
     with pytest.raises(ArgumentError, match="window"):
         LongMission(scenario, window=1, overlap=1, planner=steering)
+
+
+def test_an_alarm_of_a_window_names_its_share_of_the_bound() -> None:
+    scenario = far()
+    start = scenario.vehicles[0].start
+    box = Obstacle.box("box", start[:2] + np.array([0.0, 6.0]), start[:2] + 9.0)
+    scenario = replace(scenario, obstacles=(box,))
+    mission = LongMission(
+        scenario, window=8, overlap=3, guide=straight(scenario), planner=steering, warm=False
+    )
+    mission.step([start])
+    alarms = mission.step([start + np.array([1.0, 6.0, 0.0, 1.0])]).alarms
+    [told] = [alarm for alarm in alarms if alarm.startswith("what is left risks")]
+    assert re.search(r"more than the window's share of Δ, 0\.0\d+$", told)
