@@ -169,6 +169,15 @@ def test_scenario_certificate_and_simulation_show_their_facts_in_a_notebook(resu
         assert told in flown._repr_html_()
 
 
+def test_a_plan_shows_its_facts_in_a_notebook(result) -> None:
+    page = result.plan._repr_html_()
+    assert page.startswith("<table><tr><th")
+    for told in (result.plan.scenario.name, f"{result.cost:.6g}", "at most 0.0", "of 0.05", "{v"):
+        assert told in page
+    none = plan(paper(2, seed=1), "ira", time_limit=0.0).record
+    assert "time limit" in none._repr_html_()
+
+
 def test_long_lists_are_cut_in_notebooks() -> None:
     names = [f"b{i}" for i in range(10)]
     assert listed(names).endswith("b7 and 2 more")

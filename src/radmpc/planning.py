@@ -62,7 +62,7 @@ def plan(
         Asked often; planning ends with what it has once it returns True.
     found : callable or None
         Called by `certified`, now and then, with the cost of the best plan so far and a lower
-        bound on the cost, None without one.
+        bound on what plans by the scenario's faces cost; None without one, or above that cost.
     improved : callable or None
         Given by `certified` every plan that is the best so far while it looks for better ones,
         judged by the referee; its time counts. None costs nothing. The last one is the result's,

@@ -119,6 +119,16 @@ def test_plans_along_intervals_are_certified():
     assert result.lower_bound <= result.cost
 
 
+def test_no_bound_is_told_that_the_best_plan_is_below():
+    told = []
+    scenario = replace(paper(2, 3), avoidance="intervals")
+    # Half-spaces turned to it make the first plan cheaper than any by the faces of the scenario.
+    plan(scenario, "certified(0)", found=lambda cost, bound: told.append((cost, bound)))
+    assert all(bound is None or bound <= cost for cost, bound in told)
+    costs = [cost for cost, _ in told]
+    assert costs == sorted(costs, reverse=True)
+
+
 def test_the_best_plan_so_far_is_told_while_planning():
     told = []
     result = plan(paper(3, 0), "certified", found=lambda cost, bound: told.append((cost, bound)))

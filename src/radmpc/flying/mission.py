@@ -80,7 +80,7 @@ class Mission(Logbook):
         If there is no such planner.
     """
 
-    _granted = "Δ = "  # what alarms call the risk bound
+    _bound_name = "Δ = "  # what alarms call the risk bound
 
     def __init__(
         self,
@@ -272,8 +272,8 @@ class Mission(Logbook):
         value = self._leg.value(self._step, states, self._sensing.evidence.scale)
         self._account = self._account.kept(value.least)
         if value.total > self._account.risk_bound:
-            granted = f"{self._granted}{self._account.risk_bound:.3g}"
-            alarms.append(f"what is left risks {value.total:.3g}, more than {granted}")
+            allowed = f"{self._bound_name}{self._account.risk_bound:.3g}"
+            alarms.append(f"what is left risks {value.total:.3g}, more than {allowed}")
         if self.has_failed:
             return Decision(None, self._failure(), value.total, None, value.next_step)
         now = self._account, self._sensing.evidence

@@ -12,6 +12,7 @@ from radmpc.arguments import field_text
 from radmpc.arrays import Frozen, Matrix, Tensor, as_array, as_matrix
 from radmpc.model.relations.couplings import Coupling, Reason
 from radmpc.model.scenario import Scenario
+from radmpc.notebook import html_table, listed
 from radmpc.records import dataclass, field
 from radmpc.wording import percent
 
@@ -262,3 +263,15 @@ class Plan:
         """Return the plan in one line."""
         cost = "no plan" if self.cost is None else f"cost {self.cost:.6g}"
         return f"Plan({self.scenario.name!r}, {self.status.value}, {cost}, {self.planner})"
+
+    def _repr_html_(self) -> str:
+        """Return its facts, as the file tells them: what notebooks show."""
+        facts = [("scenario", self.scenario.name), ("planner", self.planner)]
+        facts.append(("status", self.status_sentence))
+        if self.cost is None:
+            return html_table([*facts, ("why", self.explanation or "not told")])
+        facts.append(("cost", f"{self.cost:.6g}"))
+        if self.risk.certified is not None:
+            facts.append(("risk", f"at most {self.risk.certified:.3g} of {self.risk.bound:g}"))
+        facts.append(("planned together", listed(["{" + ", ".join(g) + "}" for g in self.sets])))
+        return html_table(facts)

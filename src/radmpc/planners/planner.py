@@ -25,7 +25,7 @@ Progress = Callable[[str, int, int | None], None]
 """Told the stage, its parts done, and how many there are, if that is known."""
 
 Found = Callable[[float, float | None], None]
-"""Told the cost of the best plan so far, and a lower bound on the cost, None without one."""
+"""Told the cost of the best plan so far, and a lower bound on plans like it, None without one."""
 
 Improved = Callable[[tuple[Matrix, ...]], None]
 """Given every vehicle's controls in a plan that is certified and the best so far."""

@@ -68,7 +68,7 @@ class ProgressLine:
         cost : float
             Of the incumbent.
         bound : float or None
-            Lower bound on the cost of any plan; None where there is none yet.
+            Lower bound on the cost of plans by faces; None where there is none yet, or above it.
         """
         from radmpc.solvers.solution import relative_gap  # noqa: PLC0415 - verifying needs none
 

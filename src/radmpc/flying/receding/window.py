@@ -71,7 +71,7 @@ class Window(Mission):
         As in `Mission`.
     """
 
-    _granted = "the window's share of Δ, "
+    _bound_name = "the window's share of Δ, "
 
     def __init__(
         self, plan: Plan, ahead: Scenario, began: int, before: Handover | None, **options: Any

@@ -40,6 +40,9 @@ from radmpc.solvers.solution import Limits, Solver, relative_gap
 
 __all__ = ["Certified"]
 
+_ROUNDING = 1e-9
+"""Relative excess of a bound over the cost that it bounds which is taken for none [-]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Certified(Decomposition):
@@ -101,7 +104,7 @@ class Certified(Decomposition):
         if state.has_plan and not fleet.is_large:
             state = close_gap(result.search.within, state)
         cost = min(first.cost, state.incumbent.cost)
-        run.found(cost, _finite(min(reported_bound(fleet, state, planner.gap), cost)))
+        _tell(run, cost, reported_bound(fleet, state, planner.gap))
         best = first if first.cost < state.incumbent.cost else state.incumbent
         run.improved(best.controls)
         run.progress("improving", 0, 1)
@@ -231,7 +234,7 @@ def _fleet(
         limits,
         hazards=hazards,
         progress=lambda done, total: run.progress("sets", done, total),
-        found=lambda cost, bound: run.found(min(first_cost, cost), _finite(bound)),
+        found=lambda cost, bound: _tell(run, min(first_cost, cost), bound),
         improved=run.improved,
         executor=run.executor,
     )
@@ -240,6 +243,12 @@ def _fleet(
 
         fleet = with_least_visits(fleet)
     return fleet
+
+
+def _tell(run: Run, cost: float, bound: float) -> None:
+    """Tell of the best plan, and of the bound by faces unless turned half-spaces beat it."""
+    is_bound = bound <= cost + _ROUNDING * abs(cost)
+    run.found(cost, _finite(min(bound, cost)) if is_bound else None)
 
 
 def _tell_first(run: Run, incumbent: FleetIncumbent) -> None:

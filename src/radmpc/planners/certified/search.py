@@ -178,7 +178,7 @@ def _tell(fleet: Fleet, state: SearchState, candidate: Round) -> None:
     step, incumbent, plan = state.steps[-1], state.incumbent, "no plan yet"
     if incumbent.controls:
         plan = (
-            f"best cost {incumbent.cost:.6g}, gap {percent(step.gap)}, certificate "
+            f"best cost by faces {incumbent.cost:.6g}, gap {percent(step.gap)}, certificate "
             f"{incumbent.certified:.3g} of risk bound {fleet.scenario.risk_bound:g}"
         )
     _LOG.info(

@@ -137,9 +137,9 @@ class BoundSearch:
             for _ in range(TUNING.prices):
                 self._search(num_directions)
                 _LOG.info(
-                    "bound on any plan%s: %.6g with %d directions at a price of %.3g, %d nodes",
-                    *(" by faces" * self.is_by_faces, self.best),
-                    *(num_directions, self.price, self.nodes),
+                    "bound on any plan%s: %.6g, %d directions, price of 1 %% of Δ %.3g, %d nodes",
+                    *(" by faces" * self.is_by_faces, self.best, num_directions),
+                    *(0.01 * self.fleet.scenario.risk_bound * self.price, self.nodes),
                 )
                 if self.is_over or not self._has_moved_price():
                     break
