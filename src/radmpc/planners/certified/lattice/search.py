@@ -20,7 +20,6 @@ import numpy.typing as npt
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes, half_planes_of
-from radmpc.planners.certified.lattice.margins import Margin, measured
 from radmpc.planners.certified.lattice.motion import Motion
 from radmpc.planners.certified.lattice.moves import (
     Lattice,
@@ -28,6 +27,7 @@ from radmpc.planners.certified.lattice.moves import (
     finer_lattice,
     snapped_lattice,
 )
+from radmpc.planners.certified.lattice.slacks import Slacks, slacks_of
 from radmpc.planners.certified.lattice.tables import INFEASIBLE, Float32, changed, shifted, tail_of
 from radmpc.planners.certified.lattice.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
@@ -36,7 +36,7 @@ from radmpc.solvers.solution import Limits
 
 __all__ = ["PathSearch"]
 
-Margins = dict[tuple[object, ...], Margin]
+SlacksByKey = dict[tuple[object, ...], Slacks]
 """How near an obstacle is on a lattice. Kept for one search only: measuring a hundred boxes again
 at the next price takes a sixth of a search's time."""
 
@@ -156,14 +156,14 @@ class PathSearch:
         weight = np.float32(price)
         late = np.float32(delay_cost)
         arrivals: list[Float32] = []
-        margins: Margins = {}
+        known: SlacksByKey = {}
         for k in range(horizon):
             if limits.reached:
                 return None
             if k > 0:
                 tables = motion.change_costs(moves[k - 1], moves[k], lattice.stride, lattice.moves)
                 values = changed(values, tables)
-            risks, is_blocked = self._risks(lattice, k, margins)
+            risks, is_blocked = self._risks(lattice, k, known)
             values += weight * risks
             values[is_blocked | (risks > min(self.unit, CONVEX_RISK))] = INFEASIBLE
             values = shifted(values)
@@ -214,11 +214,11 @@ class PathSearch:
         return np.asarray(inside[0][:, None] & inside[1][None, :])
 
     def _risks(
-        self, lattice: Lattice, k: int, margins: Margins
+        self, lattice: Lattice, k: int, known: SlacksByKey
     ) -> tuple[Float32, npt.NDArray[np.bool_]]:
         """Return what every displacement risks in the window after a step, and which are blocked.
 
-        What stands still is measured once: `margins` keeps it from window to window.
+        What stands still is measured once: `known` keeps it from window to window.
         """
         width = 2 * lattice.moves + 1
         shape = (width, width, *lattice.shape)
@@ -228,19 +228,19 @@ class PathSearch:
         move = lattice.reference[k + 1] - here
         for avoidance in self._avoidances[k]:
             key = (avoidance.key, *here, *move)
-            if key not in margins:
-                slacks = self._slacks(avoidance)
-                margins[key] = measured(lattice, here, move, avoidance, slacks)
-            margin = margins[key]
-            blocked = margin.blocked(risks.size)
+            if key not in known:
+                bounds = self._slack_bounds(avoidance)
+                known[key] = slacks_of(lattice, here, move, avoidance, bounds)
+            slacks = known[key]
+            blocked = slacks.blocked(risks.size)
             if blocked is not None:
                 is_blocked |= blocked
-            if margin.places.size:
-                clearances = margin.slacks / avoidance.deviation
-                risks[margin.places] += tail_of(clearances, self.program.tail)
+            if slacks.numbers.size:
+                clearances = slacks.values / avoidance.deviation
+                risks[slacks.numbers] += tail_of(clearances, self.program.tail)
         return risks.reshape(shape).astype(np.float32), is_blocked.reshape(shape)
 
-    def _slacks(self, avoidance: AvoidanceHalfPlanes) -> tuple[float, float]:
+    def _slack_bounds(self, avoidance: AvoidanceHalfPlanes) -> tuple[float, float]:
         """Return the slack that is too little whatever the risk, and what counts as little [m]."""
         largest = self._deviations[avoidance.key]
         return -BLOCKED * largest, self._near_by * largest * 1.5

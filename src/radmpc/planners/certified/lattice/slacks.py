@@ -1,4 +1,4 @@
-"""How near an obstacle is to displacements on a lattice: where it blocks, and where it is close.
+"""What slack obstacles leave displacements on a lattice: where they block, where it is little.
 
 Where walls are near everywhere, nine tenths of what is near is blocked: a bit each, instead of a
 place and a slack (`parking` of s2m2: 6 MB a search, not 124).
@@ -16,27 +16,27 @@ from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes
 from radmpc.planners.certified.lattice.moves import Lattice
 from radmpc.records import dataclass
 
-__all__ = ["Margin", "measured"]
+__all__ = ["Slacks", "slacks_of"]
 
 
 @dataclass(frozen=True, slots=True)
-class Margin:
-    """How near one obstacle is to displacements, numbered by displacement and position.
+class Slacks:
+    """What one obstacle leaves displacements, numbered by displacement and position.
 
     Attributes
     ----------
     bits : (ceil(n / 8),) array
         A bit per displacement that leaves so little slack that no avoidance allows it; none where
         there are no such displacements.
-    places : (m,) array
+    numbers : (m,) array
         Displacements that leave little slack, the blocked ones left out.
-    slacks : (m,) array
+    values : (m,) array
         What they leave, by the best alternative [m].
     """
 
     bits: npt.NDArray[np.uint8]
-    places: Indices
-    slacks: Vector
+    numbers: Indices
+    values: Vector
 
     def blocked(self, count: int) -> npt.NDArray[np.bool_] | None:
         """Return whether each of all displacements is blocked; None where none is."""
@@ -45,14 +45,14 @@ class Margin:
         return np.unpackbits(self.bits, count=count).view(np.bool_)
 
 
-def measured(
+def slacks_of(
     lattice: Lattice,
     reference: Indices,
     move: Indices,
     avoidance: AvoidanceHalfPlanes,
-    slacks: tuple[float, float],
-) -> Margin:
-    """Return how near an obstacle is to displacements, each with its best alternative.
+    bounds: tuple[float, float],
+) -> Slacks:
+    """Return what slack an obstacle leaves displacements, each with its best alternative.
 
     Parameters
     ----------
@@ -62,10 +62,10 @@ def measured(
         Where the lattice lies, and by how much it moves in this window [cells].
     avoidance : AvoidanceHalfPlanes
         The obstacle, in this window.
-    slacks : pair of float
+    bounds : pair of float
         Slack below which displacements are blocked, and below which it is little [m].
     """
-    least, little = slacks
+    least, little = bounds
     axes = lattice.axes(reference)
     # Cells from which no displacement leads near are cut away first.
     longest = (lattice.moves + np.abs(move)) * lattice.stride
@@ -87,8 +87,8 @@ def measured(
         np.maximum(best, np.minimum(now[None, :], then), out=best)
     number, cell = np.nonzero((best < little) & (best >= least))
     cells = x * lattice.shape[1] + y
-    places = number * (lattice.shape[0] * lattice.shape[1]) + cells[cell]
-    return Margin(_bits(best < least, cells, lattice), places, best[number, cell])
+    numbers = number * (lattice.shape[0] * lattice.shape[1]) + cells[cell]
+    return Slacks(_bits(best < least, cells, lattice), numbers, best[number, cell])
 
 
 def _bits(

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes
-from radmpc.planners.certified.lattice.margins import measured
 from radmpc.planners.certified.lattice.moves import Lattice
+from radmpc.planners.certified.lattice.slacks import slacks_of
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_displacements_are_blocked_or_near_as_the_best_alternative_says(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    shape, moves, slacks = (7, 6), 2, (-0.1, 0.8)
+    shape, moves, bounds = (7, 6), 2, (-0.1, 0.8)
     first = np.array([-3, -2])
     reference = np.zeros((3, 2), dtype=np.int64)
     lattice = Lattice(np.array([0.5, 0.4]), rng.normal(size=2), reference, first, shape, moves)
@@ -25,7 +25,7 @@ def test_displacements_are_blocked_or_near_as_the_best_alternative_says(seed: in
     ahead = np.column_stack([normals, here[:, 2] + 0.1])
     move = np.array([1, 0])
     avoidance = AvoidanceHalfPlanes(here, ahead, 0.2)
-    margin = measured(lattice, reference[0], move, avoidance, slacks)
+    found = slacks_of(lattice, reference[0], move, avoidance, bounds)
     width = 2 * moves + 1
     expected = np.full((width, width, *shape), np.inf)
     for i, j, a, b in product(range(width), range(width), range(shape[0]), range(shape[1])):
@@ -36,12 +36,12 @@ def test_displacements_are_blocked_or_near_as_the_best_alternative_says(seed: in
             for one, two in zip(here, ahead, strict=True)
         ]
         expected[i, j, a, b] = max(rooms)
-    blocked = margin.blocked(expected.size)
+    blocked = found.blocked(expected.size)
     assert blocked is not None
-    np.testing.assert_array_equal(blocked, expected.ravel() < slacks[0])
-    near = np.flatnonzero((expected.ravel() >= slacks[0]) & (expected.ravel() < slacks[1]))
-    np.testing.assert_array_equal(np.sort(margin.places), near)
-    np.testing.assert_allclose(margin.slacks, expected.ravel()[margin.places])
+    np.testing.assert_array_equal(blocked, expected.ravel() < bounds[0])
+    near = np.flatnonzero((expected.ravel() >= bounds[0]) & (expected.ravel() < bounds[1]))
+    np.testing.assert_array_equal(np.sort(found.numbers), near)
+    np.testing.assert_allclose(found.values, expected.ravel()[found.numbers])
     assert blocked.any()
     assert near.size
 
@@ -51,8 +51,8 @@ def test_where_nothing_is_blocked_nothing_is_kept_of_it() -> None:
         np.ones(2), np.zeros(2), np.zeros((2, 2), dtype=np.int64), np.zeros(2, int), (3, 3), 1
     )
     far = np.array([[1.0, 0.0, 50.0]])
-    margin = measured(
+    found = slacks_of(
         lattice, np.zeros(2, int), np.zeros(2, int), AvoidanceHalfPlanes(far, far, 1.0), (-1.0, 5.0)
     )
-    assert margin.blocked(81) is None
-    assert not margin.places.size
+    assert found.blocked(81) is None
+    assert not found.numbers.size
