@@ -21,9 +21,9 @@ from contextlib import closing
 from functools import partial
 from pathlib import Path
 
-from calibration_report import doubtful, report, second_look
-from calibration_trial import COLUMNS, Trial, run_trial, trial_of
-from record_table import add_row, rows_of
+from calibrating.report import doubtful, report, second_look
+from calibrating.trial import COLUMNS, Trial, run_trial, trial_of
+from hunting.record_table import add_row, rows_of
 
 _MORE = 100
 

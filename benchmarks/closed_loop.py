@@ -15,9 +15,9 @@ a tick takes: the median, 99 of 100, 999 of 1,000, and the most.
 candidates cost all of the wealth and begins without a bank; `anew` grants Δ at each tick; `pool`
 takes the larger of the tail and of what a pool still holds from which every step's risk was taken;
 `paper` plans within that pool alone and flies whatever was found, as the paper's scheme does.
-`orca` and `dmpc` keep no account at all (`closed_loop_peers.py`).
+`orca` and `dmpc` keep no account at all (`closed_loops/peers.py`).
 `--planner warm` makes candidates by kept linear programs, else `certified` is asked on the spot; on
-the scene `wall` an adversary is, who stakes all on the next step (`closed_loop_adversary.py`).
+the scene `wall` an adversary is, who stakes all on the next step (`closed_loops/adversary.py`).
 
 With `--record` every mission is a line of a file, written at once, and the first plan stands beside
 it: the same command goes on where it stopped, and others add rules and missions.
@@ -39,9 +39,9 @@ from rich.console import Console
 from rich.table import Table
 from scipy.special import betaincinv
 
-from closed_loop_peers import PEERS
-from closed_loop_rules import RULES, Trial, flown
-from closed_loop_scenes import SCENES, first_plan
+from closed_loops.peers import PEERS
+from closed_loops.rules import RULES, Trial, flown
+from closed_loops.scenes import SCENES, first_plan
 from radmpc.flying.deciding import opened
 from radmpc.model.plan import Plan
 

@@ -21,12 +21,12 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from contextlib import closing
 from pathlib import Path
 
-from hunt_answers import Effort
-from hunt_catch import COLUMNS, KINDS, Catch, catch_of
-from hunt_checks import examine, run_scene
-from hunt_scenes import draw_scene
+from hunting.answers import Effort
+from hunting.catch import COLUMNS, KINDS, Catch, catch_of
+from hunting.checks import examine, run_scene
+from hunting.record_table import add_row, rows_of
+from hunting.scenes import draw_scene
 from radmpc.io.native.scenario_file import save_scenario
-from record_table import add_row, rows_of
 
 _MOST_NAMED = 40
 """Scenes named per kind in the summary."""

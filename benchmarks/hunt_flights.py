@@ -26,15 +26,15 @@ from scipy.special import logsumexp
 from scipy.stats import poisson
 
 import radmpc
-from hunt_catch import Notes, watched
-from hunt_flights_console import check_console
-from hunt_flights_files import check_files
-from hunt_flights_missions import KINDS_OF_FLIGHT, Flown, flown, is_repeated, made
-from hunt_flights_scenes import draw_flown_scene
-from hunt_flights_world import World
+from hunting.catch import Notes, watched
+from hunting.flights_console import check_console
+from hunting.flights_files import check_files
+from hunting.flights_missions import KINDS_OF_FLIGHT, Flown, flown, is_repeated, made
+from hunting.flights_scenes import draw_flown_scene
+from hunting.flights_world import World
+from hunting.record_table import add_row, rows_of
 from radmpc.io.native.scenario_file import save_scenario
 from radmpc.model.plan import Plan
-from record_table import add_row, rows_of
 
 _OFTEN: Mapping[str, int] = {"kept": 8, "warm": 3, "windows": 1, "late": 1, "blind": 1, "again": 1}
 """Missions of a kind; 2 of all others."""

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import calibration
-from calibration_noise import FEATURES, with_noise
-from calibration_overlap import measure_overlap
-from calibration_report import doubtful, lower_limit, report, second_look, violations
-from calibration_scenes import random_planner, random_scenario
-from calibration_trial import Trial, run_trial, trial_of
-from calibration_world import world_collisions
+from calibrating.noise import FEATURES, with_noise
+from calibrating.overlap import measure_overlap
+from calibrating.report import doubtful, lower_limit, report, second_look, violations
+from calibrating.scenes import random_planner, random_scenario
+from calibrating.trial import Trial, run_trial, trial_of
+from calibrating.world import world_collisions
 from radmpc import to_dict
 from radmpc.planners.presets import PRESETS
 from radmpc.planning import plan

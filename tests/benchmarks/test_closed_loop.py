@@ -10,9 +10,9 @@ from scipy.stats import binomtest
 import closed_loop
 import closed_loop_ticks as ticks
 from closed_loop import fly_all, interval, known, row, write
-from closed_loop_adversary import waiting, wall
-from closed_loop_rules import Pool as RiskPool
-from closed_loop_rules import Trial, flown, rule_of
+from closed_loops.adversary import waiting, wall
+from closed_loops.rules import Pool as RiskPool
+from closed_loops.rules import Trial, flown, rule_of
 from radmpc.flying.account import Account
 
 TRIAL = Trial("plus", "warm", 3, False, 10.0, 0.1, 2, 0, [1.0, 3.0])

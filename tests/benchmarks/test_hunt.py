@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 
 import hunt
-import hunt_checks
-from hunt_answers import PLANNERS, Effort
-from hunt_catch import KINDS, Catch, Notes, catch_of, clock, watched
-from hunt_checks import examine, run_scene
-from hunt_flight import plain_collisions, solid_distances
-from hunt_scenes import draw_scene
+from hunting import checks
+from hunting.answers import PLANNERS, Effort
+from hunting.catch import KINDS, Catch, Notes, catch_of, clock, watched
+from hunting.checks import examine, run_scene
+from hunting.flight import plain_collisions, solid_distances
+from hunting.scenes import draw_scene
 from radmpc.geometry import box, hull
 from radmpc.model.plan import Plan
 from radmpc.planning import plan
@@ -135,7 +135,7 @@ def caught_with(monkeypatch: pytest.MonkeyPatch, change: Callable[[str, Result],
         [name] = [n for n, p in PLANNERS.items() if p is planner]
         return change(name, true_answer(name))
 
-    monkeypatch.setattr(hunt_checks, "plan", lie)
+    monkeypatch.setattr(checks, "plan", lie)
     scenario = replace(draw_scene(SEED, 1), risk_bound=0.3)
     return examine(scenario, SEED, 1, Effort(60.0, 60.0, 0))
 
@@ -186,7 +186,7 @@ def test_a_certificate_below_the_rate_is_caught(busy: tuple[Result, Plan]):
     result, _ = busy
     low = Certificate(0.3, 1e-9, (), (), 0.0)
     notes = Notes()
-    hunt_checks._fly(notes, "dlp", replace(result, certificate=low), 2_000, 0)
+    checks._fly(notes, "dlp", replace(result, certificate=low), 2_000, 0)
     assert list(notes.kinds) == ["unsafe"]
     assert len(notes.texts) == 2
 

@@ -9,9 +9,9 @@ import pytest
 
 import radmpc
 from hunt_flights import play, summary
-from hunt_flights_scenes import draw_flown_scene
-from hunt_flights_ticks import tick_problems
-from hunt_flights_world import World
+from hunting.flights_scenes import draw_flown_scene
+from hunting.flights_ticks import tick_problems
+from hunting.flights_world import World
 
 
 @pytest.mark.slow

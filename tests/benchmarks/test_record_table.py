@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from record_table import add_row, rows_of
+from hunting.record_table import add_row, rows_of
 
 
 def test_a_line_that_a_crash_cut_off_is_written_again(tmp_path):

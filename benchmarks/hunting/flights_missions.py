@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 import radmpc
-from hunt_catch import Notes
-from hunt_flights_planners import Instant, Ticking, Vandal, quick
-from hunt_flights_ticks import tick_problems
-from hunt_flights_world import World, contacts_of
+from hunting.catch import Notes
+from hunting.flights_planners import Instant, Ticking, Vandal, quick
+from hunting.flights_ticks import tick_problems
+from hunting.flights_world import World, contacts_of
 from radmpc.flying.tick import Contact, Tick
 from radmpc.model.plan import Plan
 

@@ -8,11 +8,11 @@ from dataclasses import asdict, dataclass, fields, replace
 
 import numpy as np
 
-from calibration_noise import with_noise
-from calibration_overlap import measure_overlap
-from calibration_scenes import random_planner, random_scenario
-from calibration_world import world_collisions
-from hunt_catch import clock
+from calibrating.noise import with_noise
+from calibrating.overlap import measure_overlap
+from calibrating.scenes import random_planner, random_scenario
+from calibrating.world import world_collisions
+from hunting.catch import clock
 from radmpc.model.plan import Plan
 from radmpc.planners import Ira, Planner
 from radmpc.planners.presets import parse_planner
@@ -60,7 +60,7 @@ class Trial:
     plan_seconds, certify_seconds, fly_seconds : float
         Time taken.
     noise : str
-        What was added of the world as it is measured, see `calibration_noise`; empty for nothing.
+        What was added of the world as it is measured, see `calibrating.noise`; empty for nothing.
     world_samples, world_hits : int
         Missions flown in that world without the referee, and those with a collision.
     """

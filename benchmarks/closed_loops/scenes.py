@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from closed_loop_adversary import waiting, wall
+from closed_loops.adversary import waiting, wall
 from radmpc.arrays import Matrix
 from radmpc.errors import NoPlanError
 from radmpc.experiments.families import circle, fleet, paper

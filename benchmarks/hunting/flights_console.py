@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import radmpc
-from hunt_catch import Notes
+from hunting.catch import Notes
 from radmpc.model.plan import Plan
 
 __all__ = ["check_console"]

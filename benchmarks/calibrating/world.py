@@ -3,7 +3,7 @@
 A current carries, a gust lasts, a wind blows on all, a receiver errs and a filter makes of it what
 it can, a freighter strays, and all noise is stronger or weaker than stated: each is a few lines
 that know nothing of joint covariances. Every mission has a filter of its own; wind and what strays
-are the same for all vehicles. Slow and plain, as `hunt_flight` is, with whose geometry paths are
+are the same for all vehicles. Slow and plain, as `hunting.flight` is, with whose geometry paths are
 looked at in a few moments per step: at most what collides is counted.
 """
 
@@ -14,7 +14,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.linalg import block_diag
 
-from hunt_flight import MOMENTS, hits_at, places_of, root_of
+from hunting.flight import MOMENTS, hits_at, places_of, root_of
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.obstacle import Obstacle, TrackShape

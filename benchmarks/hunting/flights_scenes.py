@@ -2,7 +2,7 @@
 
 Half a dozen of them meet in one scene: noise that lasts, is shared, estimated or known up to a
 factor, visits and windows, ranges, obstacles that stray or concern some vehicles only, limits of
-norms, currents, goals to choose from. Unlike those of `hunt_scenes.py` most can be planned.
+norms, currents, goals to choose from. Unlike those of `hunting/scenes.py` most can be planned.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from hunt_flight import solid_distances
-from hunt_flights_noise import noisy_vehicles
-from hunt_obstacles import random_obstacle
-from hunt_scenes import draw_scene
-from hunt_vehicles import random_vehicle
+from hunting.flight import solid_distances
+from hunting.flights_noise import noisy_vehicles
+from hunting.obstacles import random_obstacle
+from hunting.scenes import draw_scene
+from hunting.vehicles import random_vehicle
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
 from radmpc.geometry import hull
@@ -31,7 +31,7 @@ __all__ = ["draw_flown_scene"]
 
 _MAX_DRAWS = 500
 _NASTY = 0.15
-"""Share of scenes whose starts, goals and vehicles are those of `hunt_scenes.py`."""
+"""Share of scenes whose starts, goals and vehicles are those of `hunting/scenes.py`."""
 
 Rng = np.random.Generator
 

@@ -6,13 +6,13 @@ import math
 import time
 from collections.abc import Mapping
 
-from calibration_report import lower_limit
-from hunt_answers import PLANNERS, Answer, Effort
-from hunt_bounds import simple_bounds
-from hunt_catch import Catch, Notes, clock, watched
-from hunt_contradictions import check_answer, check_time
-from hunt_flight import plain_collisions
-from hunt_scenes import draw_scene
+from calibrating.report import lower_limit
+from hunting.answers import PLANNERS, Answer, Effort
+from hunting.bounds import simple_bounds
+from hunting.catch import Catch, Notes, clock, watched
+from hunting.contradictions import check_answer, check_time
+from hunting.flight import plain_collisions
+from hunting.scenes import draw_scene
 from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner
 from radmpc.planning import plan

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import radmpc
-from hunt_catch import Notes
+from hunting.catch import Notes
 from radmpc.flying.recording.campaign import begin_flight, resume_flight
 from radmpc.flying.recording.verifying import flight_problems
 from radmpc.io.flight.flight_file import load_flight

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from scipy.special import bdtrc, betaincinv
 
-from calibration_trial import Trial
+from calibrating.trial import Trial
 
 __all__ = ["doubtful", "lower_limit", "report", "second_look", "violations", "world_violations"]
 

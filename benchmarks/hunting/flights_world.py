@@ -13,7 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
-from hunt_flight import MOMENTS, between, root_of, solid_distances
+from hunting.flight import MOMENTS, between, root_of, solid_distances
 from radmpc.arrays import Matrix, Vector
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.obstacle import Obstacle

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from closed_loop_adversary import staking
-from closed_loop_peers import PEERS, flown_by
+from closed_loops.adversary import staking
+from closed_loops.peers import PEERS, flown_by
 from radmpc.flying import deciding
 from radmpc.flying.account import Account
 from radmpc.flying.flight import Flight, fly

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hunt_answers import Answer, Effort
-from hunt_catch import Notes
+from hunting.answers import Answer, Effort
+from hunting.catch import Notes
 from radmpc.model.plan import Status
 from radmpc.result import Result
 

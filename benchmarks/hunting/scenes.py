@@ -11,9 +11,9 @@ from itertools import combinations
 
 import numpy as np
 
-from hunt_flight import solid_distances
-from hunt_obstacles import random_obstacle
-from hunt_vehicles import random_vehicle
+from hunting.flight import solid_distances
+from hunting.obstacles import random_obstacle
+from hunting.vehicles import random_vehicle
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
 from radmpc.model.obstacle import Obstacle

@@ -1,0 +1,1 @@
+"""What `calibration.py` draws, measures and reports."""

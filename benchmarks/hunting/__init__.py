@@ -1,0 +1,1 @@
+"""What `hunt.py` and `hunt_flights.py` draw, try, and hold to be wrong."""
