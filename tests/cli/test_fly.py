@@ -27,6 +27,7 @@ from .conftest import CROSSING, Run, assert_one_line
 LEAST_KEYS = [
     "missions", "rate", "rate_low", "rate_high", "bound", "certified", "effort", "effort_planned",
     "miss", "saturation", "accepted", "alarms", "tick_p50", "tick_p99", "tick_max",
+    "late",
 ]  # fmt: skip
 
 
@@ -99,7 +100,10 @@ def test_a_flight_is_written_verified_and_drawn(run: Run, plan: Path, tmp_path: 
     assert "line 2 of the file is not as it was written" in broken.stdout
     told = json.loads(run("verify", "a.jsonl", "--json").stdout)
     assert told["holds"] is False
-    assert told["problems"] == ["line 2 of the file is not as it was written"]
+    assert told["problems"] == [
+        "line 2 of the file is not as it was written",
+        "mission 0, step 0: states a saturation of 1.0, recomputed it is 0",
+    ]
     refused = run("verify", "a.jsonl", "--avoidance", "steps")
     assert refused.exit_code == 2
     assert assert_one_line(refused.stderr) == (

@@ -14,12 +14,13 @@ from executors import AtOnce, Broken, Never, OneStepLate, steering
 
 import radmpc
 from comparing import differences
-from radmpc.errors import ArgumentError
+from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
 from radmpc.experiments.families import paper
 from radmpc.flying.account import Account
 from radmpc.flying.flight import Flight, fly
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
+from radmpc.flying.tick import Contact
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 
@@ -166,3 +167,62 @@ def test_an_account_expects_to_have_flown_the_next_step() -> None:
     account = Account(0.05, 0.03, 0.02)
     assert account.after(0.01).wealth == pytest.approx(0.04, rel=1e-5)
     assert account.after(1.0).wealth == pytest.approx(0.02, rel=1e-5)
+
+
+# Threads that call a mission at once, and what it refuses.
+
+
+@pytest.mark.parametrize("planner", [None, steering])
+def test_threads_that_step_one_mission_take_turns(plan: Plan, planner: object) -> None:
+    mission = Mission(plan, planner=planner, warm=planner is not None)
+    states = [v.start for v in plan.scenario.vehicles]
+    refused: list[ArgumentError] = []
+    together = threading.Barrier(4)
+
+    def fly_on() -> None:
+        together.wait()
+        while True:
+            try:
+                mission.step(states)
+            except ArgumentError as error:
+                refused.append(error)
+                return
+
+    threads = [threading.Thread(target=fly_on) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert [tick.step for tick in mission.ticks] == list(range(plan.scenario.horizon + 1))
+    assert len(refused) == 4
+    assert all("is over" in str(error) for error in refused)
+
+
+def test_a_step_that_is_refused_leaves_the_mission_as_it_was(plan: Plan) -> None:
+    mission = Mission(plan, planner=None)
+    states = [v.start for v in plan.scenario.vehicles]
+    hit = Contact(0, "obstacle", plan.scenario.vehicles[0].name, "rock")
+    for wrong in ([[1.0, 2.0]], [["a", "b", "c", "d"]], [[1j, 0, 0, 0]], [[[1.0], [2.0, 3.0]]]):
+        with pytest.raises(ScenarioError, match=r"^states"):
+            mission.step(wrong, contacts=[hit])
+    for none in ("x", None, [1]):
+        with pytest.raises(ArgumentTypeError, match="contacts must be a list or tuple of Contact"):
+            mission.step(states, contacts=none)
+    assert mission.contacts == ()
+    assert mission.step(states).step == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        ({"seed": -1}, "seed must be"),
+        ({"seed": "x"}, "seed must be"),
+        ({"executor": 3}, "executor must be"),
+        ({"warm": "x"}, "warm must be True, False or None, got 'x'"),
+    ],
+)
+def test_options_of_another_kind_are_refused_in_one_line(
+    plan: Plan, options: dict[str, object], line: str
+) -> None:
+    with pytest.raises((ArgumentError, ArgumentTypeError), match=f"^{line}"):
+        Mission(plan, **options)

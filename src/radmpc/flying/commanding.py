@@ -12,10 +12,10 @@ from radmpc.flying.tick import Segment, segments
 from radmpc.model.limits import within_limits
 from radmpc.records import dataclass
 
-__all__ = ["Commands", "commanded"]
+__all__ = ["SATURATED", "Commands", "commanded"]
 
-_SATURATED = 1e-6
-"""Excess of a control over its limit from which on that is an alarm [control]."""
+SATURATED = 1e-6
+"""By how much feedback asks for more control than there is where that is an alarm [m/s²]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +55,7 @@ def commanded(leg: Leg, step: int, states: Sequence[Vector], alarms: list[str]) 
     for vehicle, control in zip(scenario.vehicles, leg.controls(step, states), strict=True):
         held = within_limits(vehicle, control)
         excess = float(np.abs(control - held).max())
-        if excess > _SATURATED:
+        if excess > SATURATED:
             alarms.append(f"vehicle {vehicle.name!r}: its control saturates by {excess:.3g}")
         flown.append(held)
     expected = leg.expected(step, states, flown)

@@ -1,9 +1,12 @@
-"""What a mission is about and what it has done, to be read."""
+"""What a mission is about, what it may risk and what it has done."""
 
 from __future__ import annotations
 
+from threading import RLock
+
 from radmpc.flying.account import Account
 from radmpc.flying.leg import Leg
+from radmpc.flying.locking import one_at_a_time
 from radmpc.flying.tick import Contact, Entry, Tick, entered, failure
 from radmpc.model.scenario import Scenario
 
@@ -30,6 +33,7 @@ class Logbook:
         self._past = 0  # of these, those before the account was opened anew
         self._ticks: list[Tick] = []
         self._entries: list[Entry] = []
+        self._lock = RLock()
 
     @property
     def scenario(self) -> Scenario:
@@ -73,6 +77,23 @@ class Logbook:
     def is_over(self) -> bool:
         """Whether the last step has been measured."""
         return self._step > self._scenario.horizon
+
+    @one_at_a_time
+    def set_risk_bound(self, risk_bound: float) -> None:
+        """Change Δ under way: more goes to the bank, less is taken from it.
+
+        Parameters
+        ----------
+        risk_bound : float
+            The new Δ of the whole mission [-].
+
+        Raises
+        ------
+        RiskError
+            If the bank does not hold what would be taken.
+        """
+        self._account = self._account.with_risk_bound(risk_bound)
+        self._enter("bound", None)
 
     def _failure(self) -> str:
         """Return in a few words why the mission has failed, where it has."""

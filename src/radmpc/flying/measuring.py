@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import check_integer, check_kind, is_number, told
 from radmpc.arrays import Frozen, Vector, as_vector, field_names
 from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, ScenarioError
+from radmpc.flying.tick import Contact
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
@@ -18,8 +20,10 @@ from radmpc.result import Result
 
 __all__ = [
     "are_known_alike",
+    "check_contacts",
     "check_continues",
     "check_number",
+    "check_options",
     "measured",
     "plan_of",
 ]
@@ -116,10 +120,68 @@ def measured(
         states = [states[v.name] for v in vehicles]
     if len(states) != len(vehicles):
         raise ScenarioError(f"must be {len(vehicles)} states, got {len(states)}", ("states",))
-    if any(not np.all(np.isfinite(np.asarray(x, dtype=np.float64))) for x in states):
+    if any(not np.all(np.isfinite(_numbers(x, i))) for i, x in enumerate(states)):
         return None
     pairs = zip(states, vehicles, strict=True)
     return tuple(as_vector(x, v.system.num_states, ("states", i)) for i, (x, v) in enumerate(pairs))
+
+
+def _numbers(state: npt.ArrayLike, place: int) -> Vector:
+    """Return a state as real numbers, finite or not; refuse what is none."""
+    try:
+        given = np.asarray(state)
+    except ValueError:  # of rows as long as none other
+        given = np.zeros(0, dtype=object)
+    if given.dtype.kind not in "fiu":
+        raise ScenarioError(f"must be a vector of numbers, got {told(state)}", ("states", place))
+    return given.astype(np.float64)
+
+
+def check_contacts(contacts: object) -> None:
+    """Refuse what are no contacts.
+
+    Parameters
+    ----------
+    contacts : sequence of Contact
+        What was hit.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If they are anything else.
+    """
+    if not isinstance(contacts, list | tuple) or any(
+        not isinstance(one, Contact) for one in contacts
+    ):
+        raise ArgumentTypeError(
+            f"contacts must be a list or tuple of Contact, got {told(contacts)}"
+        )
+
+
+def check_options(seed: object, executor: object, warm: object) -> None:
+    """Refuse options of a mission that are of another kind, or a negative seed.
+
+    Parameters
+    ----------
+    seed : int
+        Of every plan, at least 0.
+    executor : Executor or None
+        Where plans are made.
+    warm : bool or None
+        Whether quick candidates are made.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If one is of another kind.
+    ArgumentError
+        If the seed is negative.
+    """
+    check_integer(seed, "seed", 0)
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        check_kind(executor, Executor, "executor", "a concurrent.futures.Executor or None")
+    if warm is not None and not isinstance(warm, bool):
+        raise ArgumentTypeError(f"warm must be True, False or None, got {told(warm)}")
 
 
 def check_number(value: object, name: str, most: float = float("inf")) -> None:

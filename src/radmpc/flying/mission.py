@@ -26,8 +26,16 @@ from radmpc.flying.deciding import (
     plan_ahead,
 )
 from radmpc.flying.knowing import expected_start
+from radmpc.flying.locking import one_at_a_time
 from radmpc.flying.logbook import Logbook
-from radmpc.flying.measuring import check_continues, check_number, measured, plan_of
+from radmpc.flying.measuring import (
+    check_contacts,
+    check_continues,
+    check_number,
+    check_options,
+    measured,
+    plan_of,
+)
 from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.sources import Moment, Sources, Timer
 from radmpc.flying.tick import Contact, Tick
@@ -43,7 +51,8 @@ class Mission(Logbook):
 
     The probability of any collision in the mission is at most Δ, by whatever planner and however
     often it is planned anew, as long as the model and its filters hold and controls do not saturate
-    (docs/flying.md). The leg in the air, the tail, may always be flown on.
+    (docs/flying.md). The leg in the air, the tail, may always be flown on. Threads that call it at
+    once wait for each other.
 
     Parameters
     ----------
@@ -96,6 +105,7 @@ class Mission(Logbook):
     ) -> None:
         plan = plan_of(result)
         check_callable(clock, "clock")
+        check_options(seed, executor, warm)
         planning = planning_with(planner, seed)
         self._sources = Sources.of(
             plan.scenario, planning, executor, is_warm=warm, miss_price=miss_price
@@ -108,6 +118,7 @@ class Mission(Logbook):
         self._enter("opened", self._account.tail)
         self._known = self._expected = tuple(expected_start(v) for v in plan.scenario.vehicles)
 
+    @one_at_a_time
     def step(
         self,
         states: Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike] | None,
@@ -143,8 +154,9 @@ class Mission(Logbook):
         if self.is_over:
             raise ArgumentError(f"the mission of {self._scenario.horizon} steps is over")
         check_number(0.0 if deadline is None else deadline, "deadline")
-        self._contacts += contacts
+        check_contacts(contacts)
         given = measured(self._scenario, states)
+        self._contacts += contacts
         known = self._expected
         alarms, decision = ["no measurement: the tail flies on as expected"], UNKNOWN
         if given is not None:
@@ -174,26 +186,12 @@ class Mission(Logbook):
         """
         return self._sources.wait(seconds)
 
+    @one_at_a_time
     def close(self) -> None:
         """Give up what is planned in the background; the executor is its owner's to shut down."""
         self._sources.close()
 
-    def set_risk_bound(self, risk_bound: float) -> None:
-        """Change Δ under way: more goes to the bank, less is taken from it.
-
-        Parameters
-        ----------
-        risk_bound : float
-            The new Δ of the whole mission [-].
-
-        Raises
-        ------
-        RiskError
-            If the bank does not hold what would be taken.
-        """
-        self._account = self._account.with_risk_bound(risk_bound)
-        self._enter("bound", None)
-
+    @one_at_a_time
     def remainder(
         self,
         states: Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike],
@@ -231,6 +229,7 @@ class Mission(Logbook):
         known, _ = self._looked(given)
         return self._sensing.evidence.left(self._leg, self._step, known, account.risk_bound)
 
+    @one_at_a_time
     def start_again(self, result: Result | Plan) -> None:
         """Open the account anew after an event that the plan did not model, such as a new obstacle.
 

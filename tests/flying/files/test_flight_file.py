@@ -103,6 +103,8 @@ def _first_leg(rows: list[TickRow]) -> int:
         ("value", 0.3, "states a value of 0.3"),
         ("states", [[0.0, 3.0]], "recomputed it is"),
         ("controls", [[0.0, 0.0]], "the leg says"),
+        ("excess", 0.5, "states a saturation of 0.5, recomputed it is 0"),
+        ("alarms", ["a", "b"], "states a number of alarms of 2, recomputed it is 0"),
         ("leg", None, "a leg only where one is adopted"),
         ("mission", 3, "mission 3 stands where mission 0 is due"),
         ("contacts", [{"step": 1, "cause": "obstacle", "vehicle": "v", "other": "wall"}],
@@ -116,6 +118,13 @@ def test_a_file_that_was_signed_anew_is_found_out_by_recomputing_it(
     record = load_flight(path)
     assert record.changed == ()
     assert any(words in problem for problem in flight_problems(record)), flight_problems(record)
+
+
+def test_what_the_tail_risks_next_is_recomputed(path: Path, rows: list[TickRow]) -> None:
+    kept = 2 + next(i for i, row in enumerate(rows) if row.leg is None)
+    forged(path, kept, lambda row: row.update(next_step=0.25))
+    [problem] = flight_problems(load_flight(path))
+    assert "states a risk of the next step of 0.25" in problem
 
 
 def test_a_leg_that_could_not_be_afforded_is_found_out(path: Path, rows: list[TickRow]) -> None:
@@ -191,6 +200,7 @@ def test_a_flight_is_summed_up_by_hand(plan: Plan) -> None:
     assert summary.certified == pytest.approx(plan.risk.certified)
     assert summary.ticks == 22
     assert summary.tick_p50 <= summary.tick_p99 <= summary.tick_max
+    assert summary.late is None
     assert summary.contradiction is None
 
 
@@ -202,6 +212,12 @@ def test_a_rate_above_the_bound_is_called_one(plan: Plan, rows: list[TickRow]) -
     assert (summary.flown.rate, summary.flown.obstacle_rate, summary.flown.pair_rate) == (1, 1, 0)
     assert summary.flown.saturation_rate == 1.0
     assert "collision rate is at least 0.3976" in str(summary.contradiction)
+
+
+def test_decisions_that_miss_their_deadline_are_counted(plan: Plan, rows: list[TickRow]) -> None:
+    timed = [replace(row, seconds=0.4 if row.step in {1, 4} else 0.1) for row in rows]
+    summary = summary_of(FlightRecord(plan, FlightSettings(deadline=0.15), tuple(timed)))
+    assert summary.late == 2
 
 
 ODD = (None, True, "x", -1, 0, 7, 1e9, [], {}, [[]], [None], [[1.0, "x"]], {"x": 1})

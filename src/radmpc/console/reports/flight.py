@@ -62,6 +62,7 @@ def flight_json(record: FlightRecord, summary: FlightSummary) -> dict[str, objec
         "tick_p50": summary.tick_p50,
         "tick_p99": summary.tick_p99,
         "tick_max": summary.tick_max,
+        "late": summary.late,
     }
 
 
@@ -130,6 +131,8 @@ def flight_rows(record: FlightRecord, summary: FlightSummary) -> dict[str, Text 
             f"{summary.tick_p50:.3g} s (median), {summary.tick_p99:.3g} s (99 %), "
             f"{summary.tick_max:.3g} s (longest)"
         )
+    if summary.late is not None:
+        rows["deadline"] = f"{settings.deadline:g} s, missed at {count_text(summary.late, 'tick')}"
     return rows
 
 

@@ -87,8 +87,10 @@ def coarse_plan(scenario: Scenario, window: int) -> CoarsePlan:
     window, most = min(window, scenario.horizon), -(-scenario.horizon // _COARSE)
     strides = [s for s in range(1, 2 * most) if scenario.horizon % s == 0]
     strides = [s for s in reversed(strides) if _has_steps(scenario, s)]
-    # Less clearance is a way sooner than more faces are.
-    for is_persistent, clearance, stride in product((False, True), _CLEARANCES, strides):
+    tries = [(False, *each) for each in product(_CLEARANCES, strides)]
+    # Less clearance is a way sooner than more faces are: these come last, where there is most room.
+    tries += [(True, _CLEARANCES[-1], stride) for stride in strides]
+    for is_persistent, clearance, stride in tries:
         coarse = _coarsened(scenario, stride, (window, clearance))
         record = Planner(Optimal(), Branch(), Certified(is_persistent=is_persistent))
         found = plan(coarse, record, rng=0, time_limit=_SECONDS).plan
@@ -98,9 +100,11 @@ def coarse_plan(scenario: Scenario, window: int) -> CoarsePlan:
                 for v, path in zip(scenario.vehicles, found.trajectories, strict=True)
             )
             return CoarsePlan(found, stride, tuple(states))
+    longest = max(strides, default=1) * scenario.dt
     raise NoPlanError(
-        f"no guide for the mission of {scenario.horizon} steps was found in steps of "
-        f"{most * scenario.dt:g} s or less, {_CLEARANCES[-1]:g} deviations clear of all; give one"
+        f"no guide for the mission of {scenario.horizon} steps was found, in steps of up to "
+        f"{longest:g} s, {_CLEARANCES[-1]:g} deviations clear of all: there may be no way; if "
+        "there is one, give a guide"
     )
 
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from threading import RLock
 from typing import Any
 
 from radmpc.arguments import check_integer
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, NoPlanError
 from radmpc.flying.candidates import Order, Planning, answered, planning_with
-from radmpc.flying.measuring import measured
+from radmpc.flying.locking import one_at_a_time
+from radmpc.flying.measuring import check_contacts, measured
 from radmpc.flying.receding.itinerary import Guide, Itinerary, Progress
 from radmpc.flying.receding.reserve import Reserve
 from radmpc.flying.receding.window import Handover, Window, scene_of
@@ -94,6 +96,7 @@ class LongMission:
         self._entries: list[Entry] = []
         self._contacts: list[Contact] = []
         self._reserve = Reserve(scenario.risk_bound)
+        self._lock = RLock()
         found = self._opened(0, None)
         if found is None:
             raise NoPlanError(f"no plan of the first {window} steps was found within their risk")
@@ -144,10 +147,12 @@ class LongMission:
         """
         return self._mission.wait(seconds)
 
+    @one_at_a_time
     def close(self) -> None:
         """Give up what is planned in the background."""
         self._mission.close()
 
+    @one_at_a_time
     def step(
         self,
         states: Sequence[Vector] | None,
@@ -172,8 +177,9 @@ class LongMission:
             Of the long mission's step.
         """
         step = len(self._ticks)
-        self._contacts += contacts
+        check_contacts(contacts)
         known = measured(self._scenario, states)
+        self._contacts += contacts
         if known is not None and self._is_due(step):
             self._extend(step, known, deadline)
         tick = self._mission.step(states, deadline=deadline, contacts=contacts)

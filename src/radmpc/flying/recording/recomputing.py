@@ -13,6 +13,7 @@ import numpy as np
 from radmpc.arrays import Vector
 from radmpc.errors import RadmpcError, RiskError
 from radmpc.flying.account import Account
+from radmpc.flying.commanding import SATURATED
 from radmpc.flying.deciding import opened
 from radmpc.flying.knowing import best_of, expected_start, starting
 from radmpc.flying.leg import Leg, leg_of
@@ -122,15 +123,19 @@ def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Recomputation:
 def _follow(state: Recomputation, row: TickRow, where: str) -> None:
     """Take the next row."""
     known, value, before = state.expected, None, state.sensing.evidence
+    next_step, alarms = None, 1  # that there is no measurement
     state.contacts += [Contact(t.step, t.cause, t.vehicle, t.other) for t in row.contacts]
     if row.states is not None:
         is_certain = not state.ticks or state.ticks[-1].value is not None
         seen = row.step, state.expected, row.states, state.leg
-        known, _ = state.sensing.look(*seen, is_certain=is_certain)
+        known, told = state.sensing.look(*seen, is_certain=is_certain)
         worth = state.leg.value(row.step, known, state.sensing.evidence.scale)
         value, state.account = worth.total, state.account.kept(worth.least)
+        next_step, alarms = worth.next_step, len(told) + (value > state.account.risk_bound)
     wealth = state.account.wealth
     _compare(state, where, {"value": (row.value, value), "wealth": (row.wealth, wealth)})
+    if row.leg is None:
+        _compare(state, where, {"risk of the next step": (row.next_step, next_step)})
     scale, stated = state.sensing.evidence.scale, row.scale
     if stated is not None or scale.samples is not None:
         number = None if stated is None else stated.samples
@@ -148,7 +153,8 @@ def _follow(state: Recomputation, row: TickRow, where: str) -> None:
         known = state.leg.begun(known)
     now = state.account
     _compare(state, where, {"tail": (row.tail, now.tail), "bank": (row.bank, now.bank)})
-    flown = _flown(state, row, known, where)
+    flown, saturated = _flown(state, row, known, where)
+    _compare(state, where, {"number of alarms": (len(row.alarms), alarms + saturated)})
     path = segments(state.plan.scenario, known, flown) if flown else ()
     state.ticks.append(_tick(row, path))
 
@@ -198,13 +204,13 @@ def _adopt(
 
 def _flown(
     state: Recomputation, row: TickRow, known: Sequence[Vector], where: str
-) -> tuple[Vector, ...]:
-    """Return what was flown until the next step; expect what comes of it."""
+) -> tuple[tuple[Vector, ...], int]:
+    """Return what was flown until the next step, and who saturates; expect what comes of it."""
     scenario = state.plan.scenario
     if row.step == scenario.horizon or not row.controls:
         if bool(row.controls) or row.step < scenario.horizon:
             state.problems.append(f"{where}: controls must end with step {scenario.horizon - 1}")
-        return ()
+        return (), 0
     asked = state.leg.controls(row.step, known)
     held = [within_limits(v, u) for u, v in zip(asked, scenario.vehicles, strict=True)]
     for vehicle, due, stated in zip(scenario.vehicles, held, row.controls, strict=True):
@@ -215,8 +221,11 @@ def _flown(
                 f"{where}: vehicle {vehicle.name!r}: flew {stated.tolist()}, the leg says "
                 f"{due.tolist()}"
             )
+    pairs = zip(asked, held, strict=True)
+    excesses = [float(np.abs(control - due).max()) for control, due in pairs]
+    _compare(state, where, {"saturation": (row.excess, max(excesses))})
     state.expected = state.leg.expected(row.step, known, row.controls)
-    return row.controls
+    return row.controls, sum(excess > SATURATED for excess in excesses)
 
 
 def _compare(

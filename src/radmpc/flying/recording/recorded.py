@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.errors import ArgumentError, FileFormatError
+from radmpc.flying.locking import one_at_a_time
 from radmpc.flying.measuring import measured
 from radmpc.flying.mission import Mission
 from radmpc.flying.recording.recomputing import recomputed
@@ -60,6 +61,7 @@ class RecordedMission(Mission):
         if rows:
             self._take_up(plan, rows)
 
+    @one_at_a_time
     def step(
         self,
         states: Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike] | None,

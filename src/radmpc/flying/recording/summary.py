@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Vector
+from radmpc.flying.commanding import SATURATED
 from radmpc.flying.deciding import opened
 from radmpc.io.flight.record import FlightRecord, FlownMission, TickRow
 from radmpc.model.scenario import Scenario
@@ -12,10 +13,7 @@ from radmpc.records import dataclass
 from radmpc.referee.claims import planned_effort
 from radmpc.referee.simulation.simulation import Simulation
 
-__all__ = ["SATURATED", "FlightSummary", "summary_of"]
-
-SATURATED = 1e-6
-"""By how much feedback asks for more control than there is where it counts as saturated [m/s²]."""
+__all__ = ["FlightSummary", "summary_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +44,8 @@ class FlightSummary:
         Decisions, of missions under way, too.
     tick_p50, tick_p99, tick_max : float or None
         What decisions took [s].
+    late : int or None
+        Decisions that took longer than the deadline; None without one.
     """
 
     flown: Simulation | None
@@ -62,6 +62,7 @@ class FlightSummary:
     tick_p50: float | None
     tick_p99: float | None
     tick_max: float | None
+    late: int | None
 
     @property
     def missions(self) -> int:
@@ -101,7 +102,7 @@ def summary_of(record: FlightRecord) -> FlightSummary:
     missions = [mission for mission in record.missions if mission.is_over]
     decided = [row for row in record.rows if row.controls]
     adopted = sum(row.leg is not None for row in decided)
-    seconds = np.array([row.seconds for row in decided])
+    seconds, deadline = np.array([row.seconds for row in decided]), record.settings.deadline
     p50, p99 = np.quantile(seconds, [0.5, 0.99]).tolist() if seconds.size else (None, None)
     efforts = [effort_of(scenario, mission) for mission in missions]
     misses = [miss_of(scenario, row) for row in (mission.rows[-1] for mission in missions)]
@@ -121,6 +122,7 @@ def summary_of(record: FlightRecord) -> FlightSummary:
         tick_p50=p50,
         tick_p99=p99,
         tick_max=float(seconds.max()) if seconds.size else None,
+        late=None if deadline is None else int(np.count_nonzero(seconds > deadline)),
     )
 
 
