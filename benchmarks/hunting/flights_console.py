@@ -44,6 +44,7 @@ _KEYS = frozenset(
         "tick_p50",
         "tick_p99",
         "tick_max",
+        "late",
     ]
 )
 """Of `radmpc fly --json`, docs/formats.md."""
