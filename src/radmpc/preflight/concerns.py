@@ -18,8 +18,8 @@ from radmpc.preflight.cures import (
     time_cures,
     visit_cures,
 )
-from radmpc.preflight.endpoint_concerns import told_of_endpoints
-from radmpc.preflight.narrow_concerns import narrow_cures, told_of_narrow
+from radmpc.preflight.endpoint_concerns import describe_endpoints
+from radmpc.preflight.narrow_concerns import describe_narrow, narrow_cures
 from radmpc.preflight.noise import NoiseKind, noise_warnings
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
 from radmpc.records import dataclass
@@ -135,7 +135,7 @@ def concerns_of(outlook: Outlook) -> tuple[Concern, ...]:
         for one in _of_vehicle(scenario, vehicle, seen)
     ]
     noise = (Concern(kind, (), text, False) for kind, text in noise_warnings(scenario))
-    ends = (Concern("endpoint", *told) for told in told_of_endpoints(outlook))
+    ends = (Concern("endpoint", *told) for told in describe_endpoints(outlook))
     told = [*ends, *_grouped(found), *noise]
     return tuple(sorted(told, key=lambda concern: not concern.is_fatal))
 
@@ -150,7 +150,7 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
         for text, weight in told_of_visits(vehicle, seen.visits, scenario.horizon):
             cures = partial(visit_cures, scenario, vehicle)
             yield _Found("visit", seen.name, text, weight, is_fatal=weight > 1.0, cures=cures)
-    for text, weight in told_of_narrow(scenario, seen):
+    for text, weight in describe_narrow(scenario, seen):
         yield _Found("narrow", seen.name, text, weight, cures=partial(narrow_cures, scenario, seen))
     most = _SMALL * scenario.risk_bound
     if seen.saturation is not None and seen.saturation > most:

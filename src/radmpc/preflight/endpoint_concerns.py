@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 from radmpc.preflight.outlook import Outlook
 
-__all__ = ["told_of_endpoints"]
+__all__ = ["describe_endpoints"]
 
 _CURED = 2
 """Reasons for which cures are tried [-]; more would take too long."""
 
 
-def told_of_endpoints(outlook: Outlook) -> Iterator[tuple[tuple[str, ...], str, bool]]:
+def describe_endpoints(outlook: Outlook) -> Iterator[tuple[tuple[str, ...], str, bool]]:
     """Yield what is to be said of starts and goals.
 
     Parameters

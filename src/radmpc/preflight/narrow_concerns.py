@@ -21,7 +21,7 @@ from radmpc.preflight.places import Narrowest, Passage
 from radmpc.preflight.reserve import tails
 from radmpc.rounding import rounded_down, rounded_up
 
-__all__ = ["narrow_cures", "told_of_narrow"]
+__all__ = ["describe_narrow", "narrow_cures"]
 
 _SMALL = 0.1
 """Share of Δ up to which a probability is small against it [-], as of other concerns."""
@@ -38,7 +38,7 @@ _HALVINGS = 40
 _Test = Callable[[Scenario | None], bool]
 
 
-def told_of_narrow(scenario: Scenario, seen: VehicleOutlook) -> Iterator[tuple[str, float]]:
+def describe_narrow(scenario: Scenario, seen: VehicleOutlook) -> Iterator[tuple[str, float]]:
     """Yield what is to be said of the narrowest place, if anything.
 
     Parameters
@@ -117,7 +117,7 @@ def _is_roomy(alone: Scenario) -> bool:
     (seen,) = outlook_of(alone).vehicles
     if seen.narrowest is Passage.UNKNOWN or seen.reserve.share > _MUCH:
         return False
-    return not list(told_of_narrow(alone, seen))
+    return not list(describe_narrow(alone, seen))
 
 
 def _wider(alone: Scenario, place: Narrowest, does: _Test) -> Iterator[str]:

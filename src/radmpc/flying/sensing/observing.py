@@ -144,7 +144,7 @@ class Observer:
         at = step - self.began
         found = [None if one is None else one.told[at] for one in self.learning]
         if self.fleet is not None:
-            for i, each in zip(self.fleet.members, self.fleet.told_of(at), strict=True):
+            for i, each in zip(self.fleet.members, self.fleet.known_parts_of(at), strict=True):
                 found[i] = each if found[i] is None else found[i]
         return tuple(found)
 

@@ -89,7 +89,7 @@ class FleetLearning:
         change = self.gains[step] @ np.concatenate(moved)
         return [np.where(rows < 0, 0.0, change[rows]) for rows in self.rows]
 
-    def told_of(self, step: int) -> list[Matrix]:
+    def known_parts_of(self, step: int) -> list[Matrix]:
         """Return that covariance of each one alone, (n, n) each."""
         found, start = [], 0
         for size in self._sizes():

@@ -17,13 +17,13 @@ from radmpc.program.build import condensed_models
 from radmpc.rounding import rounded_down, rounded_up
 from radmpc.solvers.solution import Limits
 
-__all__ = ["ended", "told_for_certain", "why_not"]
+__all__ = ["describe_certain", "ended", "why_not"]
 
 _NAMED = 3
 """Hazards of the safest plan that are named [-]."""
 
 
-def told_for_certain(scenario: Scenario, reasons: Sequence[Reason], limits: Limits) -> WhyNot:
+def describe_certain(scenario: Scenario, reasons: Sequence[Reason], limits: Limits) -> WhyNot:
     """Say what rules out a plan without a search, and what the other vehicles could do.
 
     Parameters

@@ -30,6 +30,6 @@ def sure_why_not(scenario: Scenario, limits: Limits) -> WhyNot | None:
     if not reasons:
         return None
     # Most fleets have a plan.
-    from radmpc.planners.certified.infeasible.explanation import told_for_certain  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.infeasible.explanation import describe_certain  # noqa: PLC0415 - few need it
 
-    return told_for_certain(scenario, reasons, limits)
+    return describe_certain(scenario, reasons, limits)
