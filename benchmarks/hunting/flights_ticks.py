@@ -41,7 +41,10 @@ def tick_problems(
     is_kept = tick.choice == "tail"
     if not is_kept and (tick.price is None or tick.price > tick.wealth):
         found.append(f"price {tick.price} beside a wealth of {tick.wealth}")
-    if not is_kept and mission.contacts:
+    # An account that was opened anew promises what it does whatever was hit before.
+    is_one = isinstance(mission, radmpc.Mission)
+    has_failed = mission.has_failed if is_one else bool(mission.contacts)
+    if not is_kept and has_failed:
         found.append("another leg after a contact")
     if is_kept and bank is not None and entry.bank != bank:
         found.append(f"kept, and the bank went from {bank!r} to {entry.bank!r}")
