@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from radmpc.arguments import check_callable, check_kind, check_rng, check_time_limit, told
+from radmpc.arrays import Matrix
 from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.model.given import check_scenario
 from radmpc.model.plan import Plan, Status
@@ -21,12 +22,13 @@ from radmpc.planners.outcome.record import Certifying, plan_of
 from radmpc.planners.outcome.trajectories import trajectories_of
 from radmpc.planners.planner import Improved, nobody
 from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
+from radmpc.planners.verdict import Verdict
 from radmpc.planners.wording import limit_clause
 from radmpc.referee import certify
 from radmpc.result import Result
 from radmpc.solvers.solution import Limits, never
 
-__all__ = ["plan", "seconds_allowed"]
+__all__ = ["plan", "seconds_allowed", "unjudged_plan"]
 
 
 def plan(
@@ -96,17 +98,14 @@ def plan(
     check_callable(found, "found")
     check_callable(improved, "improved")
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
-    generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed)
-    time_limit = seconds_allowed(record, time_limit)
-    deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
-    limits = Limits(deadline, never if stop is None else stop, time_limit)
+    limits = _limits(record, time_limit, stop)
     referee = Certifying(scenario, record)
     # What an assignment is planned for on the way is not yet the scenario of the answer.
     hand_on: Improved = nobody
     if improved is not None and not scenario.goals:
         hand_on = Improving(scenario, record, seed, improved, begun, referee)
     run = Run(
-        generator,
+        rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed),
         limits,
         executor,
         progress or _silent,
@@ -123,6 +122,47 @@ def plan(
     return _judged(scenario, record, seed, _with_limits(draft, limits), begun)
 
 
+def unjudged_plan(
+    scenario: Scenario, planner: Planner, *, seed: int, time_limit: float | None
+) -> Plan:
+    """Plan a fleet for who has the plan judged anyway, and saves a certificate.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario to plan; its vehicles have goals of their own.
+    planner : Planner
+        A record of choices.
+    seed : int
+        Of every random choice.
+    time_limit : float or None
+        As in `plan`.
+
+    Returns
+    -------
+    Plan
+        Without trajectories where none was found; without a certificate in any case.
+
+    Raises
+    ------
+    ScenarioError
+        As in `plan`.
+    """
+    _check_coupled(scenario, planner)
+    planner.check_visits(scenario)
+    referee = Certifying(scenario, planner)
+    limits, rng = _limits(planner, time_limit, None), np.random.default_rng(seed)
+
+    def judge(controls: tuple[Matrix, ...]) -> Verdict:
+        # A plan that comes too late is none.
+        return Verdict(np.inf, ()) if limits.reached else referee.verdict(controls)
+
+    run = Run(rng, limits, None, _silent, judge, _silent_best, nobody)
+    draft = planner.decomposition.plan(scenario, planner, run)
+    trajectories = trajectories_of(scenario, draft.controls)
+    return plan_of(scenario, planner, seed, draft, trajectories, None, {})
+
+
 def seconds_allowed(planner: Planner, time_limit: float | None) -> float | None:
     """Return the time limit of a planner: the one asked for, or its own; None is none.
 
@@ -134,6 +174,13 @@ def seconds_allowed(planner: Planner, time_limit: float | None) -> float | None:
         What was asked for [s]; None is the planner's own.
     """
     return planner.decomposition.default_seconds if time_limit is None else time_limit
+
+
+def _limits(planner: Planner, time_limit: float | None, stop: Callable[[], bool] | None) -> Limits:
+    """Return the limits of a plan that begins now."""
+    time_limit = seconds_allowed(planner, time_limit)
+    deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
+    return Limits(deadline, never if stop is None else stop, time_limit)
 
 
 def _record(planner: str | Planner) -> Planner:

@@ -1,4 +1,4 @@
-"""None"""
+"""Planners of others, each in its own process: answers, ends, and what is not installed."""
 
 import importlib
 import importlib.util

@@ -1,4 +1,4 @@
-"""None"""
+"""Missions: what is flown at each step, why, and what late or broken planners cost."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,7 +11,7 @@ import radmpc
 from comparing import differences
 from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, RiskError, ScenarioError
 from radmpc.flying.account import Account
-from radmpc.flying.candidates import planning_with
+from radmpc.flying.candidates.judging import planning_with
 from radmpc.flying.flight import Flight, fly
 from radmpc.flying.leg import Leg, Outlook, leg_of
 from radmpc.flying.mission import Mission
@@ -146,7 +146,7 @@ def test_under_way_nobody_waits_for_a_bound_that_nobody_reads(result: Result) ->
     scenario = result.record.scenario
     asked = planning_with("certified", 0)
     assert asked is not None
-    found = asked(scenario, None).record
+    found = asked(scenario, None)
     assert found.cost == pytest.approx(result.record.cost, rel=1e-3)
     assert "certified(0)" in found.planner
     for name in ("certified(3)", "ira"):
@@ -154,16 +154,19 @@ def test_under_way_nobody_waits_for_a_bound_that_nobody_reads(result: Result) ->
 
 
 def test_a_candidate_that_comes_too_late_costs_nothing(result: Result) -> None:
-    seconds = [0.0]
+    seconds, given = [0.0], list[float | None]()
 
     def slow(scenario: Scenario, granted: float | None) -> Result:
-        assert granted == pytest.approx(0.8 * 0.5)
+        given.append(granted)
         seconds[0] += 0.6
         return radmpc.plan(scenario, rng=0)
 
     late = flown(result, planner=slow, deadline=0.5, clock=lambda: seconds[0])
-    assert {t.reason for t in late.ticks[:10]} == {"the candidate came too late"}
-    assert [t.seconds for t in late.ticks[:10]] == pytest.approx([0.6] * 10)
+    assert {t.reason for t in late.ticks[:4]} == {"the candidate came too late"}
+    assert [t.seconds for t in late.ticks[:4]] == pytest.approx([0.6] * 4)
+    assert {t.choice for t in late.ticks[:10]} == {"tail"}
+    # Who plans past its limit gets less time from tick to tick.
+    assert given[:4] == pytest.approx([0.4, 0.3, 0.2, 0.1])
     assert differences(late.states, flown(result, planner=None).states) == []
 
 

@@ -1,4 +1,4 @@
-"""None"""
+"""GeoJSON and KML: maps become scenarios, positions those of another library."""
 
 import copy
 import re

@@ -1,4 +1,4 @@
-"""None"""
+"""Scenario files: every field, every default, and what is said of broken ones."""
 
 import os
 from dataclasses import replace

@@ -7,11 +7,12 @@ from collections.abc import Iterator, Sequence
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError
 from radmpc.flying.account import Account
-from radmpc.flying.candidates import Candidate
+from radmpc.flying.candidates.judging import Candidate
+from radmpc.flying.candidates.pace import LATE, Timer
+from radmpc.flying.candidates.sources import Moment, Sources
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.measuring import check_number
 from radmpc.flying.sensing.evidence import Evidence
-from radmpc.flying.sources import LATE, Moment, Sources, Timer
 from radmpc.flying.tick import Segment, Tick
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass
@@ -43,10 +44,6 @@ _LAST_TICKS = 2
 
 _LEAST_GRANT = 1e-5
 """Wealth below which nothing is planned [-]: planners search long for plans that risk nothing."""
-
-_TELLING = 5e-4
-"""Time before a deadline from which on the tail is flown [s]: what eight vehicles are told takes
-0.2 ms of processor."""
 
 _WORKER_SHARE = 0.8
 """Share of a step that planning for the next one gets where decisions have deadlines [-]."""
@@ -239,7 +236,7 @@ def decided(rule: Rule, moment: Moment, timer: Timer) -> Decision:
                 best, least = found, score
         if reason:
             refused.append(Candidate(None, found.price, reason))
-    if best is not None and timer.left < _TELLING:
+    if best is not None and timer.is_nearly_over():
         # It was there in time, but judging and comparing it took what was left.
         refused.append(Candidate(None, best.price, LATE))
         best = None

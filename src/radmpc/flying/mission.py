@@ -12,7 +12,9 @@ from radmpc.arguments import check_callable
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError
 from radmpc.flying.account import Account
-from radmpc.flying.candidates import Planning, planning_with
+from radmpc.flying.candidates.judging import Planning, planning_with
+from radmpc.flying.candidates.pace import Timer
+from radmpc.flying.candidates.sources import Moment, Sources
 from radmpc.flying.commanding import commanded
 from radmpc.flying.deciding import (
     MISS_PRICE,
@@ -37,7 +39,6 @@ from radmpc.flying.measuring import (
     plan_of,
 )
 from radmpc.flying.sensing.measurements import Sensing
-from radmpc.flying.sources import Moment, Sources, Timer
 from radmpc.flying.tick import Contact, Tick
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
@@ -114,7 +115,7 @@ class Mission(Logbook):
         self._clock = clock
         super().__init__(plan.scenario, *opened(plan, 0))
         self._sensing = Sensing.of(plan.scenario)
-        self._sources.prepare(self._leg)
+        self._sources.prepare(self._leg, self._clock)
         self._enter("opened", self._account.tail)
         self._known = self._expected = tuple(expected_start(v) for v in plan.scenario.vehicles)
 
@@ -257,7 +258,7 @@ class Mission(Logbook):
         leg, account = opened(plan, self._step)
         self._leg, self._expected = self._sensing.begin_again(leg, self._leg, self._expected)
         self._account, self._past = account, len(self._contacts)
-        self._sources.renew(self._leg)
+        self._sources.renew(self._leg, self._clock)
         self._enter("new grant", self._account.tail)
 
     def _looked(self, given: tuple[Vector, ...]) -> tuple[tuple[Vector, ...], list[str]]:

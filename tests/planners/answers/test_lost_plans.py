@@ -14,9 +14,10 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.plan import LedgerRow, Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified import certified, fallbacks, programs
+from radmpc.planners.certified import fallbacks, programs
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import inter_set_risks
+from radmpc.planners.certified.phases import searching
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.set_searches import solve_sets
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
@@ -210,7 +211,7 @@ def test_the_budget_stays_positive_where_the_starts_alone_exceed_the_bound():
 
 @pytest.mark.slow
 def test_without_a_plan_half_spaces_are_turned_to_one_without_noise(monkeypatch):
-    monkeypatch.setattr(certified, "first_plan", lambda *_, **__: FleetIncumbent())
+    monkeypatch.setattr(searching, "first_plan", lambda *_, **__: FleetIncumbent())
     monkeypatch.setattr(PriceSearch, "run", lambda self, state: state)
     result = plan(paper(3, 2), "certified")
     assert result.is_certified
@@ -219,7 +220,7 @@ def test_without_a_plan_half_spaces_are_turned_to_one_without_noise(monkeypatch)
 
 @pytest.mark.slow
 def test_without_a_plan_the_search_goes_on_by_way_of_the_safest(monkeypatch):
-    monkeypatch.setattr(certified, "first_plan", lambda *_, **__: FleetIncumbent())
+    monkeypatch.setattr(searching, "first_plan", lambda *_, **__: FleetIncumbent())
     calls = []
     run = PriceSearch.run
 

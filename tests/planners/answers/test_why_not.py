@@ -18,8 +18,9 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners import Centralized, Ira, Planner
-from radmpc.planners.certified import certified, fallbacks
+from radmpc.planners.certified import fallbacks
 from radmpc.planners.certified.infeasible.least_risk import least_risk
+from radmpc.planners.certified.phases import searching
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.cures.variants import with_noise
@@ -188,7 +189,7 @@ def test_a_start_within_an_obstacle_does_not_hide_the_rest():
 
 @pytest.mark.slow
 def test_the_safest_plan_found_on_the_way_is_returned_if_the_referee_certifies_it(monkeypatch):
-    monkeypatch.setattr(certified, "first_plan", lambda *_, **__: FleetIncumbent())
+    monkeypatch.setattr(searching, "first_plan", lambda *_, **__: FleetIncumbent())
     # As where simple bounds see no plan at all: the search for the reason finds the safest one.
     monkeypatch.setattr(PriceSearch, "run", lambda self, state: state)
     monkeypatch.setattr(fallbacks, "turn_from_noiseless", lambda fleet, state, judge: state)

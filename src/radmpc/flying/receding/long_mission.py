@@ -10,7 +10,7 @@ from typing import Any
 from radmpc.arguments import check_integer
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, NoPlanError
-from radmpc.flying.candidates import Order, Planning, answered, planning_with
+from radmpc.flying.candidates.judging import Order, Planning, answered, planning_with
 from radmpc.flying.locking import one_at_a_time
 from radmpc.flying.measuring import check_contacts, measured
 from radmpc.flying.receding.itinerary import Guide, Itinerary, Progress

@@ -85,7 +85,7 @@ class Window(Mission):
             watcher.squares.extend(before.squares)
             evidence = replace(before.evidence, scenario=ahead, began=-began)
             self._leg = replace(self._leg, scale=evidence.scale)
-            self._sources.renew(self._leg)
+            self._sources.renew(self._leg, self._clock)
             self._known = self._expected = renewed(plan.scenario.vehicles, before.known)
         self._sensing = Sensing(watcher, Observer.of(ahead, -began), evidence)
         if before is not None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.cures import has_plan_within
-from radmpc.planners.certified.infeasible.explanation import ended, why_not
+from radmpc.planners.certified.infeasible.ended import ended
+from radmpc.planners.certified.infeasible.explanation import why_not
 from radmpc.planners.certified.more_faces import finer_scenarios
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.search_state import SearchState
@@ -89,7 +90,7 @@ def last_resort(
     if state.has_plan:
         return LastResort(search, state, _FOUND)
     if answer is None or not answer.explanation:
-        answer = WhyNot(ended(scenario, limits), is_proven=False)
+        answer = WhyNot(ended(scenario, limits, fleet.programs.models), is_proven=False)
     return LastResort(search, state, answer)
 
 

@@ -27,9 +27,7 @@ from radmpc.planners.endpoints.floors import EndpointHazard, start_hazards
 from radmpc.planners.planner import Improved, nobody
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
-from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass, replace
-from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Fleet"]
@@ -71,8 +69,8 @@ class Fleet:
         What the starts risk, hazard by hazard.
     initial : float
         What they risk in all, whatever the plan [-].
-    base : tuple of float
-        What every vehicle costs at least, in empty space.
+    visit_costs : tuple of float
+        What every vehicle costs at least with its visits; empty where nobody asked.
     """
 
     scenario: Scenario
@@ -87,7 +85,7 @@ class Fleet:
     first_budget: float
     start_hazards: tuple[EndpointHazard, ...]
     initial: float
-    base: tuple[float, ...]
+    visit_costs: tuple[float, ...] = ()
 
     @classmethod
     def of(
@@ -103,7 +101,7 @@ class Fleet:
         is_costless: bool = False,
         hazards: Hazards | None = None,
     ) -> Fleet:
-        """Build every vehicle's own program, and choose the scale of risk.
+        """Choose the scale of risk; programs are built once they are asked for.
 
         Parameters
         ----------
@@ -146,15 +144,17 @@ class Fleet:
             first_budget=max(risk_bound, min(begin * risk_bound, _TUNED.fill * unit)) - initial,
             start_hazards=at_starts,
             initial=initial,
-            base=tuple(
-                _cost_without_hazards(programs.problem((i,)).program)
-                for i in range(scenario.num_vehicles)
-            ),
         )
 
     def with_limits(self, limits: Limits) -> Fleet:
         """Return the same problem, to be stopped by other limits."""
         return replace(self, limits=limits)
+
+    @property
+    def base(self) -> tuple[float, ...]:
+        """What every vehicle costs at least, in empty space; builds its program."""
+        costs = [self.programs.least_cost(i) for i in range(self.scenario.num_vehicles)]
+        return tuple(map(max, costs, self.visit_costs)) if self.visit_costs else tuple(costs)
 
     @property
     def is_large(self) -> bool:
@@ -186,11 +186,3 @@ class Fleet:
         total = float(sum(self.base))
         guess = max(_TUNED.risk_to_cost * total, 1e-6 * max(1.0, total))
         return guess * self.unit / (budget + self.initial)
-
-
-def _cost_without_hazards(program: DisjunctiveProgram) -> float:
-    """Return the least cost of a vehicle in empty space; 0 where it cannot reach its goal."""
-    lp = HighsLp(program.cost, program.lower, program.upper)
-    lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
-    outcome, cost = lp.solve()
-    return cost if outcome is LpOutcome.OPTIMAL else 0.0

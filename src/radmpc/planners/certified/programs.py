@@ -14,6 +14,9 @@ from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.program.build import controls_of
 from radmpc.program.hazards import Hazards
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.solution import Limits
 
 __all__ = ["SetPrograms"]
 
@@ -55,6 +58,7 @@ class SetPrograms:
         self.surroundings = Surroundings(scenario, self.models)
         self._problems: dict[Members, SetProblem] = {}
         self._alone: dict[Members, Scenario] = {}
+        self._least_costs: dict[int, float] = {}
         self._motions: dict[Members, tuple[Vector, Tensor, Tensor]] = {}
 
     def problem(self, members: Members) -> SetProblem:
@@ -63,6 +67,26 @@ class SetPrograms:
             problem = SetProblem.of(self.alone(members), members, self.models, self.unit)
             self._problems[members] = problem.without_cost() if self.is_costless else problem
         return self._problems[members]
+
+    def build_alone(self, limits: Limits) -> bool:
+        """Build every vehicle's own program, until a limit; return whether all are built.
+
+        Parameters
+        ----------
+        limits : Limits
+            When to stop.
+        """
+        for i in range(self.scenario.num_vehicles):
+            if limits.reached:
+                return False
+            self.least_cost(i)
+        return True
+
+    def least_cost(self, i: int) -> float:
+        """Return what a vehicle costs at least in empty space; 0 where it cannot reach its goal."""
+        if i not in self._least_costs:
+            self._least_costs[i] = _cost_without_hazards(self.problem((i,)).program)
+        return self._least_costs[i]
 
     def alone(self, members: Members) -> Scenario:
         """Return a set's scenario: its vehicles with the obstacles that these may hit."""
@@ -198,3 +222,11 @@ class SetPrograms:
             models = self.problem(members).models
             controls |= dict(zip(members, controls_of(models, z), strict=True))
         return tuple(controls[i] for i in range(self.scenario.num_vehicles))
+
+
+def _cost_without_hazards(program: DisjunctiveProgram) -> float:
+    """Return the least cost of a vehicle in empty space; 0 where it cannot reach its goal."""
+    lp = HighsLp(program.cost, program.lower, program.upper)
+    lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
+    outcome, cost = lp.solve()
+    return cost if outcome is LpOutcome.OPTIMAL else 0.0

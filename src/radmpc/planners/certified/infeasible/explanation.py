@@ -7,17 +7,18 @@ from collections.abc import Sequence
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.cures import cure_sentence, endpoint_sentence
+from radmpc.planners.certified.infeasible.ended import ended
 from radmpc.planners.certified.infeasible.least_risk import LeastRisk, least_risk
 from radmpc.planners.certified.infeasible.stuck import stuck_reason
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.explain import unable_alone
-from radmpc.planners.presolve import Reason, grouped, reserve_reason
+from radmpc.planners.presolve import Reason, grouped
 from radmpc.planners.wording import hazard_name, limit_clause
 from radmpc.program.build import condensed_models
 from radmpc.rounding import rounded_down, rounded_up
 from radmpc.solvers.solution import Limits
 
-__all__ = ["describe_certain", "ended", "why_not"]
+__all__ = ["describe_certain", "why_not"]
 
 _NAMED = 3
 """Hazards of the safest plan that are named [-]."""
@@ -56,31 +57,6 @@ def describe_certain(scenario: Scenario, reasons: Sequence[Reason], limits: Limi
     return WhyNot(" ".join(texts), is_proven=True)
 
 
-def ended(scenario: Scenario, limits: Limits) -> str:
-    """Say what ended a search that had found nothing and ruled out nothing.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The fleet.
-    limits : Limits
-        Those of the search.
-
-    Returns
-    -------
-    str
-        One sentence or two.
-    """
-    kept = (
-        (v.name, reserve_reason(s))
-        for v, s in zip(scenario.vehicles, condensed_models(scenario), strict=True)
-    )
-    told = [f"The feedback of vehicle {name!r} {text}." for name, text in kept if text is not None]
-    return " ".join(
-        [f"No plan was found, and none was ruled out: {limit_clause(limits)}", *told[:1]]
-    )
-
-
 def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
     """Find out why a fleet has no plan within its bound.
 
@@ -100,14 +76,17 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
         The reasons.
     """
     reasons = []
-    for i, model in enumerate(condensed_models(scenario)):
+    models = condensed_models(scenario)
+    for i, model in enumerate(models):
+        if limits.reached:
+            break
         unable = unable_alone(scenario, model)
         if unable is not None:
             reasons.append(Reason((i,), *unable))
     slow = {i for reason in reasons for i in reason.members}
     rest = [i for i in range(scenario.num_vehicles) if i not in slow]
     found: LeastRisk | None = None
-    while rest and len(reasons) < TUNING.max_conflicts:
+    while rest and not limits.reached and len(reasons) < TUNING.max_conflicts:
         part = scenario.subset(tuple(rest), scenario.risk_bound)
         found = least_risk(part, limits)
         if not found.stuck:
@@ -121,8 +100,8 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
             texts.append(_of_rest(part, found, limits))
         blocked = () if slow else tuple(sorted({i for r in reasons for i in r.members}))
         return WhyNot(" ".join(texts), is_proven=True, blocked=blocked)
-    if found is None:  # a fleet has vehicles: it was looked at, or there are reasons
-        return WhyNot(ended(scenario, limits), is_proven=False)
+    if found is None:  # a limit came first
+        return WhyNot(ended(scenario, limits, models), is_proven=False)
     # Above Δ by union bounds, the safest plan may still be within it by the referee's.
     is_proven = found.bound > scenario.risk_bound
     text = _too_much(scenario, found, limits)

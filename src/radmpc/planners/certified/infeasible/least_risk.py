@@ -76,7 +76,7 @@ def least_risk(scenario: Scenario, limits: Limits, enough: float = 0.0) -> Least
     fleet = Fleet.of(lenient, tolerance, limits, is_costless=True)
     state = replace(SearchState.of(fleet), unit_price=1.0)
     best = LeastRisk(float("inf"), 0.0)
-    if state.budget <= 0.0:
+    if state.budget <= 0.0 or not fleet.programs.build_alone(limits):
         return best
     for effort in TUNING.efforts:
         state = replace(state, effort=effort)

@@ -79,7 +79,7 @@ class Around:
         """Bound any certified plan, and turn the plan to better sides, until they meet."""
         base, incumbent = float(sum(self.fleet.base)), self.state.incumbent
         self.on_any = base
-        if relative_gap(incumbent.cost, base) <= self.gap:
+        if relative_gap(incumbent.cost, base) <= self.gap or timed.limits.reached:
             return
         search = BoundSearch(timed, incumbent, self._price(), base, self.most_nodes)
         effort, parts = 0, search.order

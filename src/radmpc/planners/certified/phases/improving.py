@@ -13,7 +13,7 @@ from radmpc.planners.verdict import Judge
 from radmpc.records import replace
 from radmpc.solvers.solution import relative_gap
 
-__all__ = ["improved", "turned_to_others"]
+__all__ = ["cheaper", "improved", "turned_to_others"]
 
 
 def improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, judge: Judge) -> SearchState:
@@ -44,11 +44,29 @@ def improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, judge: Jud
         if first.cost < state.incumbent.cost:
             begin = replace(state, incumbent=first)
             first = turn_half_spaces(fleet, begin, judge, state.incumbent.cost).incumbent
-    if first.cost < state.incumbent.cost:
-        sets = searched.sets or first.sets
-        first = replace(first, sets=sets, union_bound=searched.union_bound)
-        state = replace(state, incumbent=first)
-    return state
+    return cheaper(state, first, searched)
+
+
+def cheaper(
+    state: SearchState, first: FleetIncumbent, searched: FleetIncumbent | None = None
+) -> SearchState:
+    """Return the state with a first plan, where that is cheaper than its own.
+
+    Parameters
+    ----------
+    state : SearchState
+        With a plan, or without.
+    first : FleetIncumbent
+        A plan made before the search, if any.
+    searched : FleetIncumbent or None
+        What the search ended with: its sets and its budget say what had to be planned together;
+        None is the state's own.
+    """
+    if first.cost >= state.incumbent.cost:
+        return state
+    searched = searched or state.incumbent
+    sets = searched.sets or first.sets
+    return replace(state, incumbent=replace(first, sets=sets, union_bound=searched.union_bound))
 
 
 def _turned(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:

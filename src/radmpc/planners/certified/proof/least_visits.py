@@ -59,8 +59,8 @@ def with_least_visits(fleet: Fleet) -> Fleet:
     limits = fleet.limits
     if limits.seconds_left < float("inf"):
         limits = limits.within(_SHARE * limits.seconds_left)
-    base = list(fleet.base)
     models = fleet.programs.models
+    costs = [0.0] * len(models)
     waiting = [
         i
         for i, model in enumerate(models)
@@ -72,8 +72,8 @@ def with_least_visits(fleet: Fleet) -> Fleet:
         # What one needs less the next ones have more of; a hard one leaves them their shares.
         share = limits.seconds_left / left
         own = limits.within(share) if share < float("inf") else limits
-        base[i] = max(base[i], least_cost(models[i], own))
-    return replace(fleet, base=tuple(base))
+        costs[i] = least_cost(models[i], own)
+    return replace(fleet, visit_costs=tuple(costs))
 
 
 def least_cost(model: CondensedModel, limits: Limits, most_solves: int = _MOST_SOLVES) -> float:

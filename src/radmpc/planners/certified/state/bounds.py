@@ -9,7 +9,7 @@ from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.solvers.solution import relative_gap
 
-__all__ = ["bound_on_cost", "is_proven", "reported_bound", "shadow_price"]
+__all__ = ["bound_on_cost", "finite", "is_proven", "reported_bound", "shadow_price"]
 
 _TUNED = TUNING.budgets
 
@@ -53,6 +53,17 @@ def reported_bound(fleet: Fleet, state: SearchState, gap: float) -> float:
     if relative_gap(cost, bound) > gap and left > 0.0:
         bound = _bound_within(fleet, state, left)
     return min(bound, cost)
+
+
+def finite(bound: float) -> float | None:
+    """Return a lower bound on a cost, 0 at least; None where nothing is proven.
+
+    Parameters
+    ----------
+    bound : float
+        Of a cost; -inf where nothing is proven.
+    """
+    return max(bound, 0.0) if np.isfinite(bound) else None
 
 
 def is_proven(fleet: Fleet, state: SearchState) -> bool:

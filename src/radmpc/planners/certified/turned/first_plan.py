@@ -60,7 +60,7 @@ def first_plan(
     hazards = task.hazards if visits is None else visits.hazards
     task = replace(_told_once(task), hazards=hazards)
     alone = _paths_alone(task, visits)
-    if alone is None:
+    if alone is None or task.limits.reached:
         return FleetIncumbent()
     share = TUNING.first_share * task.risk_bound / hazards.count
     clearance = float(hazards.tail.clearance_for(min(share, CONVEX_RISK)))
@@ -97,7 +97,7 @@ def first_plan(
 
 
 def _paths_alone(task: Task, visits: GoodVisits | None) -> Paths | None:
-    """Return what vehicles do by themselves; None where one cannot reach its goal."""
+    """Return what vehicles do by themselves; None where one reaches no goal, or not in time."""
     successive = SuccessiveLp(task.hazards, task.limits)
     if visits is not None and visits.alone is not None:
         successive.begin(visits.alone)

@@ -8,8 +8,11 @@ become so.
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 
+from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.search_state import SearchState
@@ -17,11 +20,14 @@ from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import plan_by_turning
 from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.verdict import Judge
-from radmpc.program.build import controls_of
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits
 
 __all__ = ["turn_from_noiseless"]
+
+_TOGETHER = 2.0
+"""Time that all vehicles take together at least, in multiples of what each takes by itself, added
+up [-]: in the harbor 2 to 3."""
 
 
 def turn_from_noiseless(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:
@@ -45,23 +51,25 @@ def turn_from_noiseless(fleet: Fleet, state: SearchState, judge: Judge) -> Searc
     if count > TUNING.most_vehicles or fleet.limits.reached:
         return state
     limits = fleet.limits.within(TUNING.noiseless_share * fleet.limits.seconds_left)
-    whole = tuple(range(count))
-    alone = [_noiseless(fleet, (i,), limits) for i in whole] if count > 1 else []
-    together, apart = _noiseless(fleet, whole, limits), None
-    if alone and all(z is not None for z in alone):
-        parts = {i: z for i, z in enumerate(alone) if z is not None}
-        apart = fleet.programs.assembled(whole, parts)
-        controls = _controls(fleet, whole, apart)
-        state = plan_by_turning(fleet, state, judge, fleet.singles, controls)
-    if together is not None and (apart is None or not np.array_equal(apart, together)):
-        controls = _controls(fleet, whole, together)
-        state = plan_by_turning(fleet, state, judge, (whole,), controls)
+    begun, programs = time.monotonic(), fleet.programs
+    whole, alone = tuple(range(count)), []
+    apart: tuple[Matrix, ...] = ()
+    for members in fleet.singles if count > 1 else ():
+        if fleet.limits.reached:
+            return state
+        alone.append(_noiseless(fleet, members, limits))
+    found = [z for z in alone if z is not None]
+    if found and len(found) == count:
+        apart = programs.controls(fleet.singles, found)
+    is_late = fleet.limits.seconds_left < _TOGETHER * (time.monotonic() - begun)
+    together = None if is_late else _noiseless(fleet, whole, limits)
+    if apart:
+        state = plan_by_turning(fleet, state, judge, fleet.singles, apart)
+    if together is not None:
+        controls = programs.controls((whole,), (together,))
+        if not apart or not all(map(np.array_equal, controls, apart)):
+            state = plan_by_turning(fleet, state, judge, (whole,), controls)
     return state
-
-
-def _controls(fleet: Fleet, members: Members, z: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return the controls of vehicles from a point of theirs."""
-    return tuple(controls_of([fleet.programs.models[i] for i in members], z))
 
 
 def _noiseless(fleet: Fleet, members: Members, limits: Limits) -> np.ndarray | None:

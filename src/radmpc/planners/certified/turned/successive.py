@@ -32,9 +32,6 @@ _MISSED = 1e-7
 _WARM = 64
 """Vehicles of linear programs that are kept warm at most [-]: 0.3 to 5 MB for each of them."""
 
-_ASKED = 16
-"""Vehicles planned between two looks at the clock [-]: one takes 1 to 20 ms."""
-
 _SURELY = 0.99
 """Share of a reach that paths may move by without another look [-]: rounding."""
 
@@ -99,8 +96,10 @@ class SuccessiveLp:
         self._ahead.refer(vehicle, positions)
 
     def begin_alone(self) -> bool:
-        """Begin with what every vehicle does by itself; tell whether all reach their goals."""
+        """Begin with what every vehicle does alone; tell whether all reach goals, and in time."""
         for i in range(self.hazards.count):
+            if self.limits.reached:
+                return False
             alone = self._program((i,)).alone()
             if alone is None:
                 return False
@@ -142,8 +141,8 @@ class SuccessiveLp:
         penalty = first_penalty
         order = range(self.hazards.count)
         for _ in range(max_sweeps):
-            for number, i in enumerate(order):
-                if number % _ASKED == 0 and (limits or self.limits).reached:
+            for i in order:
+                if (limits or self.limits).reached:
                     return False
                 self.plan_alone(i, clearance, penalty)
             order = order[::-1]

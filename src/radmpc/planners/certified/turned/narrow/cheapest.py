@@ -68,6 +68,8 @@ def cheapest_ways(
         return found
     state, direct = alone.state(), detours(hazards, list(found), clearance, grid, Toll(1.0))
     for i, shortest in found.items():
+        if limits.reached:
+            break
         least = float(np.abs(alone.controls[i]).sum())
         known = [shortest, direct.get(i, shortest)]
         costs: list[tuple[bool, float, int]] = []
@@ -80,7 +82,7 @@ def cheapest_ways(
             trial.restore(state)
             trial.refer(i, timed_by_visits(hazards.models[i], known[number]))
             enough = min((effort for missed, effort, _ in costs if not missed), default=np.inf)
-            missed, effort = _planned(trial, i, clearance, enough)
+            missed, effort = _planned(trial, i, clearance, enough, limits)
             costs.append((missed > _MISSED, effort, number))
             if (missed <= _MISSED and effort <= _GOOD * least) or limits.reached:
                 break
@@ -89,7 +91,7 @@ def cheapest_ways(
 
 
 def _planned(
-    trial: SuccessiveLp, vehicle: int, clearance: float, enough: float
+    trial: SuccessiveLp, vehicle: int, clearance: float, enough: float, limits: Limits
 ) -> tuple[float, float]:
     """Return what a vehicle misses on its way once planned there, and its effort [m], [m/s²].
 
@@ -102,7 +104,7 @@ def _planned(
         trial.plan_alone(vehicle, clearance, penalty)
         missed = float(trial.missed[vehicle])
         effort = float(np.abs(trial.paths.controls[vehicle]).sum())
-        if missed <= _MISSED or effort >= enough:
+        if missed <= _MISSED or effort >= enough or limits.reached:
             break
         penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
     return missed, effort

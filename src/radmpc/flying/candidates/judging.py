@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pkgutil
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 
@@ -16,7 +18,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
 from radmpc.planners.presets import parse_planner
-from radmpc.planning import plan
+from radmpc.planning import unjudged_plan
 from radmpc.records import dataclass
 from radmpc.referee.conditional.scales import Scale
 from radmpc.result import Result
@@ -29,11 +31,23 @@ __all__ = [
     "failed",
     "judged",
     "leg_judged",
+    "load_planning",
     "planning_with",
 ]
 
 Planning = Callable[[Scenario, "float | None"], "Result | Plan | None"]
 """From a scenario and the seconds there are (None: no limit) to a plan, or to none."""
+
+
+_IMPORTED_LATE = (
+    "radmpc.planners.certified",
+    "radmpc.planners.certified.infeasible",
+    "radmpc.planners.certified.phases",
+    "radmpc.planners.certified.turned",
+    "radmpc.planners.certified.turned.narrow",
+    "radmpc.solvers.branch",
+)
+"""Packages of which planning imports most when it first needs it: 0.2 s where all is."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,9 +101,9 @@ class _Preset:
     planner: Planner
     seed: int
 
-    def __call__(self, scenario: Scenario, seconds: float | None) -> Result:
-        """Plan."""
-        return plan(scenario, self.planner, rng=self.seed, time_limit=seconds)
+    def __call__(self, scenario: Scenario, seconds: float | None) -> Plan:
+        """Plan; what comes of it is judged from what is measured."""
+        return unjudged_plan(scenario, self.planner, seed=self.seed, time_limit=seconds)
 
 
 def planning_with(planner: str | Planning | None, seed: int) -> Planning | None:
@@ -120,6 +134,22 @@ def _without_bound(planner: Planner) -> Planner:
     if str(planner.decomposition) != "certified":
         return planner
     return replace(planner, decomposition=planners.Certified(0.0))
+
+
+def load_planning(planning: Planning | None) -> None:
+    """Import what a preset's plans may need: who is asked on the spot has no time for that.
+
+    Parameters
+    ----------
+    planning : callable or None
+        What plans; anything but a preset imports what it likes.
+    """
+    if not isinstance(planning, _Preset):
+        return
+    for name in _IMPORTED_LATE:
+        package = import_module(name)
+        for module in pkgutil.iter_modules(package.__path__, f"{name}."):
+            import_module(module.name)
 
 
 def answered(

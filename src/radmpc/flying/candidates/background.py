@@ -7,7 +7,7 @@ from concurrent.futures import CancelledError, Executor, Future, wait
 from typing import TYPE_CHECKING
 
 from radmpc.arrays import Vector
-from radmpc.flying.candidates import Candidate, Order, Planning, failed, judged
+from radmpc.flying.candidates.judging import Candidate, Order, Planning, failed, judged
 from radmpc.flying.warm.goals import widened
 from radmpc.model.scenario import Scenario
 from radmpc.referee.conditional.scales import Scale

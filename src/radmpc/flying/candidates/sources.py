@@ -4,11 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
+from functools import partial
 
 from radmpc.arrays import Vector
 from radmpc.flying.account import Account
-from radmpc.flying.background import Background
-from radmpc.flying.candidates import Candidate, Order, Planning, answered, failed, leg_judged
+from radmpc.flying.candidates.background import Background
+from radmpc.flying.candidates.judging import (
+    Candidate,
+    Order,
+    Planning,
+    failed,
+    judged,
+    leg_judged,
+    load_planning,
+)
+from radmpc.flying.candidates.pace import Pace, Timer
 from radmpc.flying.knowing import expected_start
 from radmpc.flying.leg import Leg
 from radmpc.flying.remainder import left_of
@@ -16,17 +26,11 @@ from radmpc.flying.sensing.evidence import Evidence
 from radmpc.flying.warm.goals import widened
 from radmpc.flying.warm.search import Try, WarmSearch
 from radmpc.model.scenario import Scenario
-from radmpc.records import dataclass, replace
+from radmpc.records import dataclass, field, replace
 from radmpc.referee.conditional.conditional import Conditional
 from radmpc.referee.conditional.scales import Scale
 
-__all__ = ["LATE", "Moment", "Sources", "Timer"]
-
-LATE = "the candidate came too late"
-"""Why a candidate is not flown that is there when the decision is due."""
-
-_PLANNING_SHARE = 0.8
-"""Share of the time to the deadline that planning gets [-]; the rest is for judging."""
+__all__ = ["Moment", "Sources"]
 
 _TRIES = 2
 """Warm candidates at a tick at most [-]: a second one, at a higher price of risk, where the first
@@ -73,31 +77,6 @@ class Moment:
         return self.evidence.left(self.leg, self.step, self.states, grant)
 
 
-@dataclass(frozen=True, slots=True)
-class Timer:
-    """How long a decision may still take.
-
-    Attributes
-    ----------
-    clock : callable
-        Returns seconds.
-    end : float
-        When the decision is due, by that clock [s]; inf is never.
-    """
-
-    clock: Callable[[], float]
-    end: float
-
-    @property
-    def left(self) -> float:
-        """Seconds to the end; negative after it."""
-        return self.end - self.clock()
-
-    def is_over(self) -> bool:
-        """Whether the decision is due."""
-        return self.end < float("inf") and self.left < 0.0
-
-
 @dataclass(slots=True, eq=False)
 class Sources:
     """What makes candidates for a mission.
@@ -114,6 +93,8 @@ class Sources:
         Plans for the next step; None is nobody.
     miss_price : float
         Effort that a meter beside a goal is worth [1/m].
+    pace : Pace
+        How long candidates took to be judged.
     """
 
     planning: Planning | None
@@ -121,6 +102,7 @@ class Sources:
     is_warm: bool
     background: Background | None
     miss_price: float
+    pace: Pace = field(default_factory=Pace)
 
     @classmethod
     def of(
@@ -151,25 +133,43 @@ class Sources:
         always = background is not None if is_warm is None else is_warm
         return cls(planning, WarmSearch(scenario), always, background, miss_price)
 
-    def prepare(self, leg: Leg) -> None:
-        """Lay out what every tick needs, and find a price of risk, before the first one."""
+    def prepare(self, leg: Leg, clock: Callable[[], float]) -> None:
+        """Do before the first tick what else it would wait for, and try what every tick does.
+
+        Parameters
+        ----------
+        leg : Leg
+            In the air.
+        clock : callable
+            Returns seconds.
+        """
         scenario = leg.plan.scenario
-        if not self.is_warm or scenario.has_windows:
-            return
+        controls = tuple(path.controls for path in leg.plan.trajectories)
         starts = [expected_start(v) for v in scenario.vehicles]
         left = left_of(scenario, 0, starts, scenario.risk_bound)
-        controls = tuple(path.controls for path in leg.plan.trajectories)
+        if self.planning is not None and self.background is None:
+            load_planning(self.planning)
+            judge = partial(leg_judged, controls, Order(left, left, leg.began), leg.began, starts)
+            self.pace.in_time(judge, Timer(clock, float("inf")), left.horizon)
+        if not self.is_warm or scenario.has_windows:
+            return
         asked = Try(left, controls, is_safest=False, is_stopped=lambda: False)
         for _ in range(_REHEARSALS):
             self.warm.search(asked)
         if self.miss_price > 0.0:
             self.warm.search(replace(asked, miss_price=self.miss_price))
 
-    def renew(self, leg: Leg) -> None:
-        """Begin anew with a leg of another scenario."""
+    def renew(self, leg: Leg, clock: Callable[[], float]) -> None:
+        """Begin anew with a leg of another scenario.
+
+        Parameters
+        ----------
+        leg, clock
+            As in `prepare`.
+        """
         self.close()
         self.warm = WarmSearch(leg.plan.scenario)
-        self.prepare(leg)
+        self.prepare(leg, clock)
 
     def wait(self, seconds: float | None) -> bool:
         """Wait for the background; return whether nothing is left to wait for."""
@@ -208,7 +208,7 @@ class Sources:
             base = moment.leg if arrived is None or arrived.leg is None else arrived.leg
             yield from self._warm(moment, (base, grant), timer)
         if self.planning is not None and self.background is None:
-            yield _on_the_spot(self.planning, moment, grant, timer)
+            yield self._on_the_spot(self.planning, moment, grant, timer)
 
     def _warm(self, moment: Moment, asked: tuple[Leg, float], timer: Timer) -> Iterator[Candidate]:
         """Yield candidates near the paths in the air."""
@@ -216,13 +216,14 @@ class Sources:
         left = moment.left(grant)
         controls = leg.mean_controls(moment.step, moment.states)
         scale = moment.evidence.scale
+        is_stopped = partial(self.pace.is_too_late, timer, left.horizon)
         # Where no plan to the goals is affordable, one that ends beside them may be.
         tries: list[float | None] = [None] * _TRIES
         tries += [self.miss_price] * (_TRIES if self.miss_price > 0.0 else 0)
         for number, missing in enumerate(tries):
             if number and missing is None and warm.is_out_of_reach:
                 continue
-            this = Try(left, controls, moment.is_unsafe, timer.is_over, scale, missing)
+            this = Try(left, controls, moment.is_unsafe, is_stopped, scale, missing)
             try:
                 found = warm.search(this)
             except Exception as error:
@@ -232,12 +233,10 @@ class Sources:
                 yield Candidate(None, None, "turned half-spaces left no plan")
                 return
             order = Order(left, found[1], moment.step, scale)
-            offer = leg_judged(found[0], order, moment.step, moment.states, scale)
-            if timer.is_over():
-                yield Candidate(None, offer.price, LATE)
-                return
+            judge = partial(leg_judged, found[0], order, moment.step, moment.states, scale)
+            offer = self.pace.in_time(judge, timer, left.horizon)
             yield offer
-            if offer.price is None or moment.is_unsafe:
+            if offer.price is None or moment.is_unsafe or timer.is_over():
                 return
             warm.learn(offer.price)
             if offer.leg is None or moment.account.affords(offer.price):
@@ -261,15 +260,21 @@ class Sources:
         if self.background is not None:
             self.background.begin(left, step, scale, seconds)
 
-
-def _on_the_spot(planning: Planning, moment: Moment, grant: float, timer: Timer) -> Candidate:
-    """Return what a planner finds in the time that is left."""
-    left = moment.left(grant)
-    order = Order(left, widened(left), moment.step, moment.evidence.scale)
-    seconds = None if timer.end == float("inf") else _PLANNING_SHARE * timer.left
-    if seconds is not None and seconds <= 0.0:
-        return Candidate(None, None, "there was no time to plan")
-    found = answered(planning, order, seconds, moment.states)
-    if timer.is_over():
-        return Candidate(None, found.price, LATE)
-    return found
+    def _on_the_spot(
+        self, planning: Planning, moment: Moment, grant: float, timer: Timer
+    ) -> Candidate:
+        """Return what a planner finds in the time that is left."""
+        left, scale = moment.left(grant), moment.evidence.scale
+        order = Order(left, widened(left), moment.step, scale)
+        seconds = self.pace.planning_seconds(timer, left.horizon)
+        if seconds == 0.0:
+            return Candidate(None, None, "there was no time to plan")
+        begun = timer.clock()
+        try:
+            answer = planning(order.asked, seconds)
+        except Exception as error:
+            return failed(error)
+        if seconds is not None:
+            self.pace.note_overrun(timer.clock() - begun - seconds)
+        judge = partial(judged, answer, order, moment.step, moment.states, scale)
+        return self.pace.in_time(judge, timer, left.horizon)

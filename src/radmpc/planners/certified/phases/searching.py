@@ -1,0 +1,203 @@
+"""The search for a plan: a first plan, what is proven around it, prices, and what is left after."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.infeasible.answer import WhyNot
+from radmpc.planners.certified.infeasible.ended import ended
+from radmpc.planners.certified.phases.time_shares import limits_of_search
+from radmpc.planners.certified.proof.grouping import Known
+from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
+from radmpc.planners.certified.search import PriceSearch
+from radmpc.planners.certified.state.bounds import finite
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.certified.state.task import Task
+from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
+from radmpc.planners.certified.turned.first_plan import first_plan
+from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.planner import Planner, Run
+from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass, field, replace
+from radmpc.solvers.solution import Limits
+
+__all__ = ["SearchResult", "searched", "tell"]
+
+_ROUNDING = 1e-9
+"""Relative excess of a bound over the cost that it bounds which is taken for none [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchResult:
+    """How the search ended.
+
+    Attributes
+    ----------
+    search : PriceSearch
+        The last one.
+    state : SearchState
+        With a plan, or without.
+    first : FleetIncumbent
+        A certified plan made before the search, if any. The search does not compare its plans with
+        it: they become cheaper once their half-spaces are turned, too.
+    answer : WhyNot or None
+        What the last resort says, if it was asked.
+    stopped_by : str or None
+        The limit that ended the search, if one did.
+    on_any : float
+        What the proof around the first plan says that any certified plan costs at least.
+    is_closed : bool
+        Whether that proof made the search needless.
+    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+        Where that proof is taken up again.
+    """
+
+    search: PriceSearch
+    state: SearchState
+    first: FleetIncumbent
+    answer: WhyNot | None
+    stopped_by: str | None
+    on_any: float = -np.inf
+    is_closed: bool = False
+    known: Known = field(default_factory=dict)
+
+
+def searched(
+    scenario: Scenario,
+    planner: Planner,
+    run: Run,
+    proof_seconds: float | None,
+    *,
+    is_persistent: bool,
+) -> SearchResult:
+    """Search for the best plan; where the search finds none, try what else leads to one.
+
+    Parameters
+    ----------
+    scenario, planner, run
+        As in `Decomposition.plan`.
+    proof_seconds, is_persistent
+        As in `Certified`.
+
+    Returns
+    -------
+    SearchResult
+        Where no time was left after the first plan, that one, or none.
+    """
+    begin = limits_of_search(run.limits)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    is_tight = _is_tight(scenario)
+    first = _first(scenario, planner.gap, run, begin, hazards, is_needed=is_tight)
+    fleet = _fleet(scenario, planner.gap, run, begin, hazards, first.cost)
+    search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)
+    if not fleet.programs.build_alone(run.limits):
+        return _cut_off(search, state, first, run.limits)
+    on_any = float(sum(fleet.base))
+    known: Known = {}
+    if is_tight and first.controls:
+        from radmpc.planners.certified.phases.ahead import prove_ahead  # noqa: PLC0415 - not along intervals
+
+        run.progress("proving", 0, 1)
+        ahead = prove_ahead(fleet, first, run.judge, proof_seconds)
+        first, on_any, known = ahead.state.incumbent, ahead.on_any, ahead.known
+        if ahead.is_closed:
+            return SearchResult(search, ahead.state, first, None, None, on_any, True)
+        state = replace(state, budget_bounds=ahead.state.budget_bounds)
+    if state.budget > 0.0:
+        state = search.run(state)
+    # Turning has time of its own, reserved beforehand.
+    stopped_by = begin.reason or None
+    if state.has_plan:
+        return SearchResult(search, state, first, None, stopped_by, on_any, known=known)
+    from radmpc.planners.certified.fallbacks import last_resort  # noqa: PLC0415 - few need it
+
+    limits = begin if first.controls else run.limits
+    last = last_resort(search.with_limits(limits), state, is_persistent=is_persistent)
+    stopped_by = stopped_by or begin.reason or None
+    found = SearchResult(last.search, last.state, first, last.answer, stopped_by, on_any)
+    return replace(found, known=known)
+
+
+def _cut_off(
+    search: PriceSearch, state: SearchState, first: FleetIncumbent, limits: Limits
+) -> SearchResult:
+    """Return what there is where a limit leaves no time for a search: the first plan, or none."""
+    answer = None
+    if not first.controls:
+        fleet = search.fleet
+        text = ended(fleet.scenario, limits, fleet.programs.models)
+        answer = WhyNot(text, is_proven=False)
+    return SearchResult(search, state, first, answer, limits.reason or None)
+
+
+def _is_tight(scenario: Scenario) -> bool:
+    """Whether the relaxation mostly comes as near to certified plans as is asked, and soon.
+
+    In larger fleets the search over faces takes no longer; among many obstacles this has no end.
+    """
+    is_small = scenario.num_vehicles <= TUNING.few
+    is_small &= len(scenario.obstacles) < max(PROOF_TUNING.many_obstacles, scenario.num_vehicles)
+    is_planar = scenario.dimension == 2 and not scenario.has_windows
+    return scenario.avoidance == "steps" and is_planar and is_small
+
+
+def _first(
+    scenario: Scenario, gap: float, run: Run, limits: Limits, hazards: Hazards, *, is_needed: bool
+) -> FleetIncumbent:
+    """Make a plan before the search, if that is quick or needed."""
+    visits = None
+    if scenario.has_windows:
+        # The first plan makes its visits at good steps; the search chooses among all.
+        from radmpc.planners.certified.turned.visiting import at_good_visits  # noqa: PLC0415 - few have any
+
+        visits = at_good_visits(hazards)
+    task = Task(hazards, run.judge, limits, gap, scenario.risk_bound, partial(_tell_first, run))
+    price = SEARCH_TUNING.budgets.risk_to_cost
+    return first_plan(task, price, run.rng, visits, is_needed=is_needed)
+
+
+def _fleet(
+    scenario: Scenario, gap: float, run: Run, limits: Limits, hazards: Hazards, first_cost: float
+) -> Fleet:
+    """Return the problem of the search, which tells of no plan dearer than the first one."""
+    fleet = Fleet.of(
+        scenario,
+        gap,
+        limits,
+        hazards=hazards,
+        progress=lambda done, total: run.progress("sets", done, total),
+        found=lambda cost, bound: tell(run, min(first_cost, cost), bound),
+        improved=run.improved,
+        executor=run.executor,
+    )
+    if scenario.has_windows:
+        from radmpc.planners.certified.proof.least_visits import with_least_visits  # noqa: PLC0415 - few have any
+
+        fleet = with_least_visits(fleet)
+    return fleet
+
+
+def tell(run: Run, cost: float, bound: float) -> None:
+    """Tell of the best plan, and of the bound by faces unless turned half-spaces beat it.
+
+    Parameters
+    ----------
+    run : Run
+        Whom to tell.
+    cost, bound : float
+        Of the plan, and of all by faces; -inf where nothing is proven.
+    """
+    is_bound = bound <= cost + _ROUNDING * abs(cost)
+    run.found(cost, finite(min(bound, cost)) if is_bound else None)
+
+
+def _tell_first(run: Run, incumbent: FleetIncumbent) -> None:
+    """Tell of a plan made before the search."""
+    run.found(incumbent.cost, None)
+    run.improved(incumbent.controls)

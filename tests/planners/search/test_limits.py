@@ -1,0 +1,86 @@
+"""What a limit ends: nothing that takes long begins once one is reached."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from radmpc.experiments.families import circle, paper
+from radmpc.model.plan import Status
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.problem import SetProblem
+from radmpc.planners.presets import parse_planner
+from radmpc.planning import plan, unjudged_plan
+from radmpc.referee import certify
+from radmpc.solvers.solution import Limits
+
+
+@pytest.fixture
+def built(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, ...]]:
+    """Return a list of the sets whose programs are built from now on."""
+    sets, plain = list[tuple[int, ...]](), SetProblem.of.__func__
+
+    def of(cls, scenario, members, *rest, **options):
+        sets.append(members)
+        return plain(cls, scenario, members, *rest, **options)
+
+    monkeypatch.setattr(SetProblem, "of", classmethod(of))
+    return sets
+
+
+def test_once_stopped_no_program_is_built(built) -> None:
+    result = plan(paper(5, 0), "certified", stop=lambda: True)
+    assert result.status is Status.LIMIT
+    assert "it was stopped on request" in result.explanation
+    assert built == []
+
+
+def test_a_first_plan_is_the_answer_where_no_time_is_left_for_a_search(built) -> None:
+    told = []
+    result = plan(
+        circle(4),
+        "certified",
+        found=lambda cost, bound: told.append((cost, bound)),
+        stop=lambda: bool(told),
+    )
+    assert built == []
+    assert result.status is Status.FEASIBLE
+    assert result.is_certified
+    assert result.plan.stopped_by == "it was stopped on request (Ctrl-C)"
+    assert result.cost == pytest.approx(told[-1][0])
+    assert (result.plan.lower_bound, result.plan.certified_lower_bound) == (None, None)
+    assert certify(result.plan).holds
+
+
+def test_programs_are_built_one_by_one_until_a_limit(built) -> None:
+    fleet = Fleet.of(paper(4, 0), 1e-3, Limits())
+    assert built == []
+    assert not fleet.programs.build_alone(Limits(is_stopped=lambda: len(built) == 2))
+    assert built == [(0,), (1,)]
+    assert fleet.programs.build_alone(Limits())
+    assert built == [(0,), (1,), (2,), (3,)]
+
+
+def test_a_vehicle_costs_what_it_does_alone_or_with_its_visits_whichever_is_more() -> None:
+    fleet = Fleet.of(paper(2, 0), 1e-3, Limits())
+    alone = fleet.base
+    assert min(alone) > 0.0
+    assert replace(fleet, visit_costs=(0.0, 99.0)).base == (alone[0], 99.0)
+
+
+def test_a_plan_that_others_judge_is_the_same_without_its_certificate() -> None:
+    scenario, planner = paper(3, 0), parse_planner("certified(0)")
+    judged = plan(scenario, planner, rng=0).require()
+    unjudged = unjudged_plan(scenario, planner, seed=0, time_limit=None)
+    assert judged.risk.certified is not None
+    assert unjudged.risk.certified is None
+    for one, other in zip(judged.trajectories, unjudged.trajectories, strict=True):
+        np.testing.assert_array_equal(one.controls, other.controls)
+
+
+def test_a_plan_that_others_judge_is_none_once_its_time_is_up() -> None:
+    found = unjudged_plan(paper(3, 0), parse_planner("certified(0)"), seed=0, time_limit=0.0)
+    assert found.status is Status.LIMIT
+    assert found.trajectories == ()
