@@ -13,7 +13,7 @@ import pytest
 
 import radmpc
 from radmpc import Goal, Obstacle
-from radmpc.arguments import told
+from radmpc.arguments import value_text
 from radmpc.experiments.families import circle, paper
 from radmpc.wording import count_text
 
@@ -56,8 +56,8 @@ def test_whatever_submits_is_an_executor() -> None:
     ],
 )
 def test_a_value_is_told_in_one_short_line(value: object, text: str) -> None:
-    assert re.fullmatch(text, told(value))
-    assert len(told(value)) <= 60
+    assert re.fullmatch(text, value_text(value))
+    assert len(value_text(value)) <= 60
 
 
 def test_a_name_with_a_nul_is_no_file_to_write_either() -> None:

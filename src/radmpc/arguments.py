@@ -12,7 +12,7 @@ from typing import TypeGuard
 import numpy as np
 
 from radmpc.errors import ArgumentError, ArgumentTypeError, FileFormatError, ScenarioError
-from radmpc.wording import one, told
+from radmpc.wording import one, value_text
 
 __all__ = [
     "check_callable",
@@ -29,7 +29,7 @@ __all__ = [
     "is_integer",
     "is_number",
     "one",
-    "told",
+    "value_text",
 ]
 
 
@@ -73,7 +73,7 @@ def check_kind(
     """
     if not isinstance(value, kinds):
         told_hint = f": {hint}" if hint else ""
-        raise ArgumentTypeError(f"{name} must be {allowed}, got {told(value)}{told_hint}")
+        raise ArgumentTypeError(f"{name} must be {allowed}, got {value_text(value)}{told_hint}")
 
 
 def check_callable(value: object, name: str) -> None:
@@ -92,7 +92,7 @@ def check_callable(value: object, name: str) -> None:
         If it is anything else.
     """
     if value is not None and not callable(value):
-        raise ArgumentTypeError(f"{name} must be a function or None, got {told(value)}")
+        raise ArgumentTypeError(f"{name} must be a function or None, got {value_text(value)}")
 
 
 def check_integer(value: object, name: str, least: int, most: float = math.inf) -> int:
@@ -127,10 +127,10 @@ def check_integer(value: object, name: str, least: int, most: float = math.inf) 
         hint = ""
         if is_number(value) and float(value).is_integer():
             hint = f": write {int(value)}"
-        raise ArgumentTypeError(f"{name} must be {allowed}, got {told(value)}{hint}")
+        raise ArgumentTypeError(f"{name} must be {allowed}, got {value_text(value)}{hint}")
     number = int(value)
     if not least <= number <= most:
-        raise ArgumentError(f"{name} must be {allowed}, got {told(value)}")
+        raise ArgumentError(f"{name} must be {allowed}, got {value_text(value)}")
     return number
 
 
@@ -153,7 +153,7 @@ def check_path(path: object, name: str = "path") -> None:
     """
     check_kind(path, (str, os.PathLike), name, "the name of a file (str or Path)")
     if "\0" in str(path):
-        raise FileFormatError(f"{told(str(path))}: is no file name: it holds a NUL")
+        raise FileFormatError(f"{value_text(str(path))}: is no file name: it holds a NUL")
 
 
 def check_rng(rng: object) -> None:
@@ -170,9 +170,9 @@ def check_rng(rng: object) -> None:
         return
     allowed = "an integer >= 0, a numpy.random.Generator or None"
     if not is_integer(rng):
-        raise ArgumentTypeError(f"rng must be {allowed}, got {told(rng)}")
+        raise ArgumentTypeError(f"rng must be {allowed}, got {value_text(rng)}")
     if int(rng) < 0:
-        raise ArgumentError(f"rng must be {allowed}, got {told(rng)}")
+        raise ArgumentError(f"rng must be {allowed}, got {value_text(rng)}")
 
 
 def check_time_limit(seconds: object) -> None:
@@ -189,9 +189,9 @@ def check_time_limit(seconds: object) -> None:
         return
     allowed = "a number of seconds >= 0 or None"
     if not is_number(seconds):
-        raise ArgumentTypeError(f"time_limit must be {allowed}, got {told(seconds)}")
+        raise ArgumentTypeError(f"time_limit must be {allowed}, got {value_text(seconds)}")
     if not 0.0 <= seconds <= math.inf or is_beyond_float(seconds):
-        raise ArgumentError(f"time_limit must be {allowed}, got {told(seconds)}")
+        raise ArgumentError(f"time_limit must be {allowed}, got {value_text(seconds)}")
 
 
 def field_number(value: object, path: tuple[str | int, ...]) -> float:
@@ -210,7 +210,7 @@ def field_number(value: object, path: tuple[str | int, ...]) -> float:
         If it is no number.
     """
     if not is_number(value) or is_beyond_float(value):
-        raise ScenarioError(f"must be a number, got {told(value)}", path)
+        raise ScenarioError(f"must be a number, got {value_text(value)}", path)
     return float(value)
 
 
@@ -230,7 +230,7 @@ def field_integer(value: object, path: tuple[str | int, ...]) -> int:
         If it is none.
     """
     if not is_integer(value):
-        raise ScenarioError(f"must be an integer, got {told(value)}", path)
+        raise ScenarioError(f"must be an integer, got {value_text(value)}", path)
     return int(value)
 
 
@@ -254,7 +254,7 @@ def field_parts(value: object, allowed: str, path: tuple[str | int, ...]) -> tup
     try:
         return tuple(value)  # type: ignore[arg-type] # that is the question
     except TypeError as error:
-        raise ScenarioError(f"must be {allowed}, got {told(value)}", path) from error
+        raise ScenarioError(f"must be {allowed}, got {value_text(value)}", path) from error
 
 
 def check_word(value: object, words: Collection[str], name: str) -> None:
@@ -276,7 +276,7 @@ def check_word(value: object, words: Collection[str], name: str) -> None:
     """
     if not (isinstance(value, str) and value in words):
         known = " or ".join(map(repr, words))
-        raise ScenarioError(f"{name} must be {known}, got {told(value)}")
+        raise ScenarioError(f"{name} must be {known}, got {value_text(value)}")
 
 
 def field_text(value: object, path: tuple[str | int, ...]) -> None:
@@ -295,4 +295,4 @@ def field_text(value: object, path: tuple[str | int, ...]) -> None:
         If it is something else.
     """
     if not isinstance(value, str):
-        raise ScenarioError(f"must be text, got {told(value)}", path)
+        raise ScenarioError(f"must be text, got {value_text(value)}", path)

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import told
+from radmpc.arguments import value_text
 from radmpc.errors import ScenarioError
 
 __all__ = [
@@ -144,9 +144,9 @@ def _numbers(value: npt.ArrayLike, path: tuple[str | int, ...]) -> npt.NDArray[n
             return np.array(raw, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
         raise ScenarioError(
-            f"must be numbers of equal row length, got {told(value)}", path
+            f"must be numbers of equal row length, got {value_text(value)}", path
         ) from error
-    raise ScenarioError(f"must be numbers, got {told(value)}", path)
+    raise ScenarioError(f"must be numbers, got {value_text(value)}", path)
 
 
 def as_axes(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Vector:

@@ -34,9 +34,9 @@ def main() -> None:
     app()
 
 
-def _print_version(is_wanted: bool) -> None:
+def _print_version(is_asked: bool) -> None:
     """Print the version and stop."""
-    if is_wanted:
+    if is_asked:
         show(f"radmpc {__version__}")
         raise typer.Exit
 

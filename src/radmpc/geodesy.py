@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import is_number, value_text
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
 from radmpc.records import dataclass
@@ -51,7 +51,8 @@ class Origin:
             value = getattr(self, name)
             if not (is_number(value) and abs(value) <= limit):
                 raise ScenarioError(
-                    f"must lie between {-limit:g} and {limit:g}{unit}, got {told(value)}", (name,)
+                    f"must lie between {-limit:g} and {limit:g}{unit}, got {value_text(value)}",
+                    (name,),
                 )
             object.__setattr__(self, name, float(value))
 

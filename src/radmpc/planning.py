@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from radmpc.arguments import check_callable, check_kind, check_rng, check_time_limit, told
+from radmpc.arguments import check_callable, check_kind, check_rng, check_time_limit, value_text
 from radmpc.arrays import Matrix
 from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.model.given import check_scenario
@@ -190,7 +190,9 @@ def _record(planner: str | Planner) -> Planner:
     if isinstance(planner, Planner):
         return planner
     known = ", ".join(PRESETS)
-    raise ArgumentTypeError(f"planner must be a Planner or one of {known}, got {told(planner)}")
+    raise ArgumentTypeError(
+        f"planner must be a Planner or one of {known}, got {value_text(planner)}"
+    )
 
 
 def _check_coupled(scenario: Scenario, planner: Planner) -> None:

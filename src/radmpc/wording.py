@@ -7,7 +7,7 @@ from numbers import Real
 
 import numpy as np
 
-__all__ = ["count_text", "one", "percent", "told"]
+__all__ = ["count_text", "one", "percent", "value_text"]
 
 _LONGEST = 60
 """Letters of a value that a message shows; longer ones are shortened."""
@@ -20,7 +20,7 @@ _REPR.maxstring = _REPR.maxother = _REPR.maxlong = _LONGEST
 _REPR.maxlevel = 3
 
 
-def told(value: object) -> str:
+def value_text(value: object) -> str:
     """Return a value for a message, in one short line: itself if it is plain, else its kind."""
     if value is None or isinstance(value, str | bytes | bool | Real):
         plain = value.item() if isinstance(value, np.generic) else value

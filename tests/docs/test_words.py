@@ -62,7 +62,8 @@ def prose(page: Path) -> str:
     """Return a page's text on one line, without blocks, names of code, and words of reports."""
     text = page.read_text(encoding="utf-8")
     if page == GLOSSARY:
-        text = text.replace(section(page, "## One word for one thing"), "")
+        for heading in ("## One word for one thing", "## Words that names do without"):
+            text = text.replace(section(page, heading), "")
     text = re.sub(r"^```.*?^```$", "", text, flags=re.M | re.S)
     text = re.sub(r"`[^`]+`|\]\([^)]*\)|\*simple bounds\*", "", text)
     text = re.sub(r"\s+", " ", text)

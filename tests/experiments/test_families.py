@@ -9,7 +9,7 @@ from scipy.spatial.distance import pdist
 
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import circle, clutter, fleet, paper
-from radmpc.experiments.scatter import Room
+from radmpc.experiments.scatter import Arena
 from radmpc.experiments.swarms import swarm
 
 
@@ -74,7 +74,7 @@ def test_the_same_seed_draws_the_same_problem_and_another_does_not():
 
 
 def test_a_room_that_is_too_small_is_refused():
-    room = Room(np.zeros(2), np.ones(2), apart=3.0)
+    room = Arena(np.zeros(2), np.ones(2), apart=3.0)
     with pytest.raises(ScenarioError, match="no room for 2 points 3 m apart"):
         room.scatter(np.random.default_rng(0), 2)
 

@@ -108,10 +108,10 @@ def textbook(leg: Plan, number: int, told: list[np.ndarray], flown: list[np.ndar
     Q = np.zeros((6, 6))
     Q[n : 2 * n, n : 2 * n] = (1.0 - rho**2) * vehicle.disturbance_covariance
     Q[2 * n :, 2 * n :] = (1.0 - part.correlation**2) * part.covariance
-    P = vehicle.known.common @ vehicle.known.common.T
-    P[: 2 * n, : 2 * n] += vehicle.known.covariance
+    P = vehicle.belief.common @ vehicle.belief.common.T
+    P[: 2 * n, : 2 * n] += vehicle.belief.covariance
     C, R = np.eye(2, 6), vehicle.measurement.covariance
-    hat = np.concatenate([vehicle.start, vehicle.known.disturbance, vehicle.known.lasting])
+    hat = np.concatenate([vehicle.start, vehicle.belief.disturbance, vehicle.belief.lasting])
     for y, control in zip(told, flown, strict=True):
         hat, P = F @ hat, F @ P @ F.T + Q
         hat[:n] += control

@@ -230,19 +230,19 @@ def test_states_tell_of_gusts_what_a_filter_of_both_tells():
     scenario = gusty()
     [vehicle] = scenario.vehicles
     observer = Observer.of(scenario)
-    known = observer.known(0, [expected_start(vehicle)], [vehicle.start + 0.1])
+    known = observer.observed(0, [expected_start(vehicle)], [vehicle.start + 0.1])
     np.testing.assert_allclose(known[0][2:], 0.0, atol=1e-15)
     seen = vehicle.start + np.array([0.13, 0.06])
-    known = observer.known(1, [np.concatenate([vehicle.start + 0.1, [0.0, 0.0]])], [seen])
+    known = observer.observed(1, [np.concatenate([vehicle.start + 0.1, [0.0, 0.0]])], [seen])
     np.testing.assert_allclose(known[0], [*seen, 0.9 * 0.03, 0.9 * -0.04], atol=1e-12)
     scenario = gusty_and_estimated()
     model, observer = Model(scenario, 3), Observer.of(scenario)
     expected = [expected_start(scenario.vehicles[0])]
     states, _ = model.reset()
     for step in range(STEPS):
-        known = observer.known(step, expected, states)
+        known = observer.observed(step, expected, states)
         estimator = model._nature._filters[0]
-        np.testing.assert_allclose(known[0], estimator.known, atol=1e-12)
+        np.testing.assert_allclose(known[0], estimator.estimate, atol=1e-12)
         A, _, _ = knowing.known_loop(scenario.vehicles[0])
         expected = [A @ known[0]]
         states, _ = model.advance(radmpc.flying.tick.segments(scenario, known, [np.zeros(2)]))

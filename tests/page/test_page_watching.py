@@ -77,7 +77,7 @@ def test_a_plan_is_flown_and_its_ticks_are_told(screen, strait):
     page.button("Fly", exact=True).click()
     until(lambda: page.state["flights"] and page.state["flights"][-1]["state"] != "running", 90.0)
     flight = page.state["flights"][-1]
-    assert flight["state"] == "ended", flight["told"]
+    assert flight["state"] == "ended", flight["note"]
     assert flight["ticks"][-1]["step"] == 8
     panel.get_by_text("ended, step 8 of 8").wait_for()
     page.page.get_by_role("img", name=re.compile("Δ|account", re.I)).first.wait_for()

@@ -47,14 +47,14 @@ def wind(sign: float = 1.0) -> tuple[SharedDisturbance, ...]:
 
 
 @dataclass(frozen=True)
-class Known:
+class ObservedMissions:
     """All missions, and what is known of each vehicle at each step, (T+1, S, n or 2 n)."""
 
     missions: Missions
     known: list[np.ndarray]
 
 
-def flown_noisily(witnesses: Witnesses, count: int, seed: int) -> Known:
+def flown_noisily(witnesses: Witnesses, count: int, seed: int) -> ObservedMissions:
     """Return missions in which feedback gets what it asks for."""
     rng = np.random.default_rng(seed)
     scenario, horizon = witnesses.plan.scenario, witnesses.plan.scenario.horizon
@@ -88,7 +88,7 @@ def flown_noisily(witnesses: Witnesses, count: int, seed: int) -> Known:
             now = now + rng.multivariate_normal(np.zeros(4), shape.disturbance_covariance, count)
             places.append(now[:, :2])
         strays[number] = np.array(places)
-    return Known(Missions(states, [], strays, seen), known)
+    return ObservedMissions(Missions(states, [], strays, seen), known)
 
 
 def _flown(
@@ -138,7 +138,10 @@ def _flown(
 
 
 def check_charges(
-    witnesses: Witnesses, flown: Known, steps: tuple[int, ...], by: list[np.ndarray] | None = None
+    witnesses: Witnesses,
+    flown: ObservedMissions,
+    steps: tuple[int, ...],
+    by: list[np.ndarray] | None = None,
 ) -> None:
     """Assert that rows fail as often as they are charged for, whatever is known: much or little.
 
@@ -148,7 +151,9 @@ def check_charges(
         _check_charges(witnesses, flown, step, None if by is None else by[step])
 
 
-def _check_charges(witnesses: Witnesses, flown: Known, step: int, by: np.ndarray | None) -> None:
+def _check_charges(
+    witnesses: Witnesses, flown: ObservedMissions, step: int, by: np.ndarray | None
+) -> None:
     """Assert it at one step."""
     missions = flown.missions
     found = conditionals(witnesses, step, [known[step] for known in flown.known])

@@ -24,7 +24,7 @@ def quiet_crew(monkeypatch):
     monkeypatch.setattr(Crew, "run", _no_run)
 
 
-async def _no_run(self, job, *args, seconds, told=None):
+async def _no_run(self, job, *args, seconds, listener=None):
     raise AssertionError(f"{job} would start a process")
 
 

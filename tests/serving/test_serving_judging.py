@@ -27,10 +27,10 @@ class Slow:
     def __init__(self, *spent):
         self.spent = spent
 
-    async def run(self, job, plan, *, told):
+    async def run(self, job, plan, *, listener):
         for seconds in self.spent:
             await asyncio.sleep(0)
-            told("spent", seconds)
+            listener("spent", seconds)
         await asyncio.sleep(0)
         if self.spent and self.spent[-1] == 1.0:
             await asyncio.Event().wait()

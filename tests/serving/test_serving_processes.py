@@ -93,7 +93,7 @@ def test_a_search_streams_plans_is_held_goes_on_and_outlives_its_page(served):
     again.call("stop", search=search)
     told = ended(again, search)
     assert told["state"] == "ended"
-    assert "plan found" in told["told"]
+    assert "plan found" in told["note"]
     plans = again.call("state", document=document)["plans"]
     assert plans[-1]["cost"] <= first["cost"]
     view = again.call("view", plan=plans[-1]["plan"])
@@ -110,7 +110,7 @@ def test_a_worker_that_is_killed_is_an_answer_and_the_next_one_plans(served):
     os.kill(worker.pid, signal.SIGKILL)
     told = ended(page, search)
     assert told["state"] == "failed"
-    assert "died" in told["told"]
+    assert "died" in told["note"]
     with pytest.raises(CallFailedError, match="planner must be one of"):
         begin(page, document, "magic")
     again = begin(page, document)["search"]
@@ -218,7 +218,7 @@ def test_plans_and_flights_are_kept_and_opened_again(served):
     flight = page.call("fly", plan=plan, seed=2, pace=0.0, options=options)["flight"]
     done = page.event("flight", lambda message: message["state"]["state"] != "running")["state"]
     assert done["flight"] == flight
-    assert done["told"].startswith("flown to its end")
+    assert done["note"].startswith("flown to its end")
     assert [tick["step"] for tick in done["ticks"]] == list(range(9))
     again = page.call("open", path="two.jsonl")["flights"][0]
     assert again["state"] == "ended"
@@ -229,4 +229,4 @@ def test_plans_and_flights_are_kept_and_opened_again(served):
     fly = page.call("fly", plan=plan, seed=2, pace=0.0, options={"with": "mavlink"})
     failed = page.event("flight", lambda m: m["state"]["flight"] == fly["flight"])["state"]
     assert failed["state"] == "failed"
-    assert "not flown from a page" in failed["told"]
+    assert "not flown from a page" in failed["note"]

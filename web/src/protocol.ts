@@ -52,7 +52,7 @@ export interface SearchState {
   /** Number of plans found so far. */
   readonly found: number;
   /** How it ended, or why it failed: one line. */
-  readonly told: string | null;
+  readonly note: string | null;
 }
 
 /** A plan that the server keeps, in few words. */
@@ -168,7 +168,7 @@ export interface FlightState {
   readonly steps: number;
   readonly riskBound: number;
   readonly ticks: readonly TickView[];
-  readonly told: string | null;
+  readonly note: string | null;
 }
 
 /** A file of the folder. */

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 
-from radmpc.arguments import check_integer, check_time_limit, told
+from radmpc.arguments import check_integer, check_time_limit, value_text
 from radmpc.errors import ArgumentTypeError, ScenarioError, SolverError
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
@@ -92,7 +92,7 @@ def compare(
     """
     check_scenario(scenario)
     if isinstance(planners, str) or not isinstance(planners, Iterable):
-        raise ArgumentTypeError(f"planners must be a sequence of names, got {told(planners)}")
+        raise ArgumentTypeError(f"planners must be a sequence of names, got {value_text(planners)}")
     records = [(parse_planner(name), name.strip()) for name in planners]
     rng = check_integer(rng, "rng", 0)
     check_time_limit(time_limit)
@@ -116,7 +116,7 @@ def _compared(
         if stop is not None and stop():
             return
 
-        def told(stage: str, done: int, total: int | None, name: str = name) -> None:
+        def progressed(stage: str, done: int, total: int | None, name: str = name) -> None:
             tell(f"{name}: {stage}", done, total)
 
         try:
@@ -126,7 +126,7 @@ def _compared(
                 rng=rng,
                 time_limit=time_limit,
                 executor=executor,
-                progress=told,
+                progress=progressed,
                 stop=stop,
             )
         except (SolverError, ScenarioError) as error:
@@ -134,6 +134,6 @@ def _compared(
             continue
         flown = None
         if result.plan is not None:
-            told("samples", 0, None)
+            progressed("samples", 0, None)
             flown = simulate(result.plan, samples, rng=rng)
         yield Comparison(name, result, flown)

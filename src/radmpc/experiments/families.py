@@ -7,7 +7,7 @@ import shapely
 
 from radmpc.arguments import check_integer
 from radmpc.arrays import Matrix
-from radmpc.experiments.scatter import Room
+from radmpc.experiments.scatter import Arena
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
@@ -80,15 +80,15 @@ def fleet(num_vehicles: int, seed: int) -> Scenario:
     rng = np.random.default_rng(seed)
     side = 20.0 * np.sqrt(num_vehicles / 8.0)
     low, high = np.zeros(2), np.full(2, side)
-    centers = Room(low + 3.0, high - 3.0, apart=6.0).scatter(rng, round(3 * num_vehicles / 8))
+    centers = Arena(low + 3.0, high - 3.0, apart=6.0).scatter(rng, round(3 * num_vehicles / 8))
     obstacles = tuple(
         Obstacle.polygon(f"o{i + 1}", regular_polygon((6, 5, 4)[i % 3], (x, y), 1.8))
         for i, (x, y) in enumerate(centers)
     )
     outlines = tuple(shapely.Polygon(o.at(0)[0].vertices) for o in obstacles)
-    room = Room(low + 1.0, high - 1.0, outlines, clearance=1.2, apart=3.0)
+    room = Arena(low + 1.0, high - 1.0, outlines, clearance=1.2, apart=3.0)
     starts = room.scatter(rng, num_vehicles)
-    near = Room(low + 1.0, high - 1.0, outlines, clearance=1.2, apart=3.0, around=(starts, 14.0))
+    near = Arena(low + 1.0, high - 1.0, outlines, clearance=1.2, apart=3.0, around=(starts, 14.0))
     return Scenario(
         name=f"fleet-{num_vehicles}-{seed}",
         dt=1.0,
@@ -135,7 +135,7 @@ def clutter(num_vehicles: int, num_boxes: int, seed: int) -> Scenario:
         Obstacle.box(f"b{i + 1}", corner, corner + 1.0) for i, corner in enumerate(corners)
     )
     outlines = tuple(shapely.box(*corner, *(corner + 1.0)) for corner in corners)
-    room = Room(np.full(2, 0.5), np.full(2, 31.5), outlines, clearance=0.5, apart=2.0)
+    room = Arena(np.full(2, 0.5), np.full(2, 31.5), outlines, clearance=0.5, apart=2.0)
     starts = room.scatter(rng, num_vehicles)
     goals = room.scatter(
         rng, num_vehicles, lambda i, p: 12.0 <= float(np.abs(p - starts[i]).max()) <= 22.0
@@ -252,7 +252,7 @@ def _scattered(
 ) -> Matrix:
     """Draw the paper's starts, or goals in reach of them."""
     outlines = tuple(shapely.Polygon(o.at(0)[0].vertices) for o in obstacles)
-    room = Room(np.full(2, 1.0), np.full(2, 19.0), outlines, clearance=1.2, apart=3.0)
+    room = Arena(np.full(2, 1.0), np.full(2, 19.0), outlines, clearance=1.2, apart=3.0)
     if starts is None:
         return room.scatter(rng, count)
     return room.scatter(rng, count, lambda i, p: bool(np.all(np.abs(p - starts[i]) <= 16.0)))

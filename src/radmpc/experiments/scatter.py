@@ -13,7 +13,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
 from radmpc.records import dataclass
 
-__all__ = ["Room"]
+__all__ = ["Arena"]
 
 
 def _anywhere(number: int, point: Vector) -> bool:
@@ -23,7 +23,7 @@ def _anywhere(number: int, point: Vector) -> bool:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Room:
+class Arena:
     """A box to draw points in.
 
     Attributes

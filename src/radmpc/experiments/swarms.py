@@ -7,7 +7,7 @@ import numpy as np
 from radmpc.arguments import check_integer
 from radmpc.arrays import Matrix
 from radmpc.errors import ScenarioError
-from radmpc.experiments.scatter import Room
+from radmpc.experiments.scatter import Arena
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
@@ -56,7 +56,7 @@ def swarm(num_vehicles: int, seed: int) -> Scenario:
     rng = np.random.default_rng(seed)
     # Three drones at least, so that there is room for starts 0.5 m from the faces.
     size = np.cbrt(_VOLUME * max(num_vehicles, 3) / 18.0) * np.array([3.0, 3.0, 2.0])
-    room = Room(np.full(3, 0.5), size - 0.5, apart=0.5)
+    room = Arena(np.full(3, 0.5), size - 0.5, apart=0.5)
     if num_vehicles in _FEW:
         room = replace(room, draws_each=_DRAWS_OF_FEW)
     starts, goals = (_scattered(room, rng, num_vehicles) for _ in range(2))
@@ -87,7 +87,7 @@ def swarm(num_vehicles: int, seed: int) -> Scenario:
     )
 
 
-def _scattered(room: Room, rng: np.random.Generator, count: int) -> Matrix:
+def _scattered(room: Arena, rng: np.random.Generator, count: int) -> Matrix:
     """Draw points, all anew where the first ones leave no room for the last, as few drones' may."""
     for _ in range(_DRAWS - 1):
         try:

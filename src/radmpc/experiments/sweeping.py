@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from concurrent.futures import Executor
 from itertools import product
 
-from radmpc.arguments import check_integer, check_path, check_time_limit, is_number, told
+from radmpc.arguments import check_integer, check_path, check_time_limit, is_number, value_text
 from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError, SolverError
 from radmpc.io.native.changes import changed
 from radmpc.io.native.decoding import decode_scenario
@@ -183,19 +183,19 @@ def _content(source: str | os.PathLike[str] | Scenario) -> object:
 def _checked(over: Mapping[str, Sequence[object]]) -> dict[str, list[object]]:
     """Return the axes, all of them with plain values."""
     if not isinstance(over, Mapping) or not over:
-        raise ArgumentTypeError(f"over must be a mapping of keys to values, got {told(over)}")
+        raise ArgumentTypeError(f"over must be a mapping of keys to values, got {value_text(over)}")
     axes: dict[str, list[object]] = {}
     count = 1
     for key, entry in plain_mapping(over, ()).items():
         if not isinstance(entry, list) or not entry:
-            raise ArgumentError(f"{key}: must be a sequence of values, got {told(over[key])}")
+            raise ArgumentError(f"{key}: must be a sequence of values, got {value_text(over[key])}")
         if key == NOISE:
             wrong = [v for v in entry if not (is_number(v) and 0.0 <= v < float("inf"))]
             if wrong:
-                raise ArgumentError(f"{NOISE}: must be factors >= 0, got {told(wrong[0])}")
+                raise ArgumentError(f"{NOISE}: must be factors >= 0, got {value_text(wrong[0])}")
         twice = [value for i, value in enumerate(entry) if value in entry[:i]]
         if twice:
-            raise ArgumentError(f"{key}: has {told(twice[0])} twice")
+            raise ArgumentError(f"{key}: has {value_text(twice[0])} twice")
         axes[key] = entry
         count *= len(entry)
     if count > MOST_POINTS:

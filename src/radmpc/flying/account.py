@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import is_number, value_text
 from radmpc.errors import ArgumentTypeError, RiskError
 from radmpc.records import dataclass, fields, replace
 
@@ -209,6 +209,6 @@ class Account:
 def _check_risk(value: object, name: str) -> None:
     """Refuse numbers that are neither probabilities nor sums of probabilities."""
     if not is_number(value):
-        raise ArgumentTypeError(f"{name} must be a number, got {told(value)}")
+        raise ArgumentTypeError(f"{name} must be a number, got {value_text(value)}")
     if not (math.isfinite(value) and value >= 0.0):
         raise RiskError(f"{name} must be finite and at least 0, got {value:.6g}")

@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from radmpc.arguments import told
+from radmpc.arguments import value_text
 from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
 from radmpc.flying.model import Backend
 from radmpc.model.scenario import Scenario
@@ -95,7 +95,7 @@ class BackendKind:
         for name, value in options.items():
             if name not in taken:
                 raise ArgumentTypeError(
-                    f"backend {self.name!r} takes no option {name!r}, got {told(value)}"
+                    f"backend {self.name!r} takes no option {name!r}, got {value_text(value)}"
                 )
 
     def _check_exact(self, scenario: Scenario) -> None:
@@ -183,5 +183,5 @@ def backend_named(name: str) -> BackendKind:
         If there is none of this name.
     """
     if name not in BACKENDS:
-        raise ArgumentError(f"backend must be one of {', '.join(BACKENDS)}, got {told(name)}")
+        raise ArgumentError(f"backend must be one of {', '.join(BACKENDS)}, got {value_text(name)}")
     return BACKENDS[name]

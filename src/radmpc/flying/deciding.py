@@ -104,7 +104,7 @@ class Decision:
         step: int,
         flown: tuple[Segment, ...],
         wealth: float,
-        told: tuple[Sequence[str], float],
+        notes: tuple[Sequence[str], float],
     ) -> Tick:
         """Return it as it is told.
 
@@ -116,10 +116,10 @@ class Decision:
             What vehicles do by it.
         wealth : float
             What there was [-].
-        told : tuple of sequence of str and float
+        notes : tuple of sequence of str and float
             Alarms, and the seconds it took.
         """
-        alarms, seconds = told
+        alarms, seconds = notes
         return Tick(
             step,
             flown,

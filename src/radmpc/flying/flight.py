@@ -16,7 +16,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
 from radmpc.result import Result
-from radmpc.wording import count_text, told
+from radmpc.wording import count_text, value_text
 
 __all__ = ["PATIENCE", "Flight", "Flyable", "fly"]
 
@@ -170,9 +170,9 @@ def _check_flyable(mission: object, backend: object) -> None:
         is_planned = isinstance(mission, Plan | Result)
         hint = ": radmpc.Mission makes one" if is_planned else ""
         raise ArgumentTypeError(
-            f"mission must be a Mission or a LongMission, got {told(mission)}{hint}"
+            f"mission must be a Mission or a LongMission, got {value_text(mission)}{hint}"
         )
     if not (hasattr(backend, "reset") and hasattr(backend, "advance")):
         raise ArgumentTypeError(
-            f"backend must have reset and advance, as radmpc.Model has, got {told(backend)}"
+            f"backend must have reset and advance, as radmpc.Model has, got {value_text(backend)}"
         )

@@ -22,9 +22,9 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
+from radmpc.model.noise.belief import Belief
 from radmpc.model.noise.filtering import Learning, learning_of
 from radmpc.model.noise.fleet import fleet_learning
-from radmpc.model.noise.known import Known
 from radmpc.model.noise.shared import lasting_parts
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
@@ -161,9 +161,9 @@ def expected_start(vehicle: Vehicle) -> Vector:
         return vehicle.start
     own = np.zeros(vehicle.start.size)
     shared = np.zeros(sum(part.size for part in lasting_parts(vehicle.shared)))
-    if vehicle.known is not None:
-        own = vehicle.known.disturbance
-        shared = shared if vehicle.known.lasting is None else vehicle.known.lasting
+    if vehicle.belief is not None:
+        own = vehicle.belief.disturbance
+        shared = shared if vehicle.belief.lasting is None else vehicle.belief.lasting
     return np.concatenate([vehicle.start, own, shared] * _copies(vehicle))
 
 
@@ -259,14 +259,14 @@ def unknown_after(vehicle: Vehicle, passed: int) -> Matrix:
     if passed:
         # The state told what came in; what is new in the next one it cannot tell.
         result[n:, n:] *= 1.0 - rho * rho
-    elif vehicle.known is not None:
-        result[n:, n:] = vehicle.known.covariance[n:, n:]
+    elif vehicle.belief is not None:
+        result[n:, n:] = vehicle.belief.covariance[n:, n:]
     return result
 
 
 def known_after(
     scenario: Scenario, passed: int, known: Sequence[Vector]
-) -> tuple[Known | None, ...]:
+) -> tuple[Belief | None, ...]:
     """Return what plans begin with once a step was measured; None is the state, exactly.
 
     Parameters
@@ -281,16 +281,16 @@ def known_after(
     vehicles = scenario.vehicles
     known = [best_of(v, each) for v, each in zip(vehicles, known, strict=True)]
     fleet = fleet_learning(vehicles, scenario.horizon)
-    found: list[Known | None] = [None] * len(vehicles)
+    found: list[Belief | None] = [None] * len(vehicles)
     if fleet is not None:
         noises, means = (
             [vehicles[i].noise for i in fleet.members],
             [known[i] for i in fleet.members],
         )
-        for i, each in zip(fleet.members, fleet.known(passed, noises, means), strict=True):
+        for i, each in zip(fleet.members, fleet.beliefs(passed, noises, means), strict=True):
             found[i] = each
     for i, vehicle in enumerate(vehicles):
         if remembers(vehicle) and found[i] is None:
             n = vehicle.start.size
-            found[i] = Known(known[i][n:], unknown_after(vehicle, passed))
+            found[i] = Belief(known[i][n:], unknown_after(vehicle, passed))
     return tuple(found)

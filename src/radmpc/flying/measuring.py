@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import check_integer, check_kind, is_number, told
+from radmpc.arguments import check_integer, check_kind, is_number, value_text
 from radmpc.arrays import Frozen, Vector, as_vector, field_names
 from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, ScenarioError
 from radmpc.flying.tick import Contact
@@ -31,7 +31,7 @@ __all__ = [
 
 _KNOWN = (
     *("start", "initial_covariance", "disturbance_covariance", "disturbance_correlation"),
-    *("measurement", "shared", "known"),
+    *("measurement", "shared", "belief"),
 )
 """What says how well a vehicle is known."""
 
@@ -112,7 +112,7 @@ def measured(
         return None
     vehicles = scenario.vehicles
     if isinstance(states, str) or not isinstance(states, Mapping | Sequence | np.ndarray):
-        raise ArgumentTypeError(f"states must be a sequence of states, got {told(states)}")
+        raise ArgumentTypeError(f"states must be a sequence of states, got {value_text(states)}")
     if isinstance(states, Mapping):
         missing = [v.name for v in vehicles if v.name not in states]
         if missing:
@@ -133,7 +133,9 @@ def _numbers(state: npt.ArrayLike, place: int) -> Vector:
     except ValueError:  # of rows as long as none other
         given = np.zeros(0, dtype=object)
     if given.dtype.kind not in "fiu":
-        raise ScenarioError(f"must be a vector of numbers, got {told(state)}", ("states", place))
+        raise ScenarioError(
+            f"must be a vector of numbers, got {value_text(state)}", ("states", place)
+        )
     return given.astype(np.float64)
 
 
@@ -154,7 +156,7 @@ def check_contacts(contacts: object) -> None:
         not isinstance(one, Contact) for one in contacts
     ):
         raise ArgumentTypeError(
-            f"contacts must be a list or tuple of Contact, got {told(contacts)}"
+            f"contacts must be a list or tuple of Contact, got {value_text(contacts)}"
         )
 
 
@@ -181,7 +183,7 @@ def check_options(seed: object, executor: object, warm: object) -> None:
     if executor is not None and not callable(getattr(executor, "submit", None)):
         check_kind(executor, Executor, "executor", "a concurrent.futures.Executor or None")
     if warm is not None and not isinstance(warm, bool):
-        raise ArgumentTypeError(f"warm must be True, False or None, got {told(warm)}")
+        raise ArgumentTypeError(f"warm must be True, False or None, got {value_text(warm)}")
 
 
 def check_number(value: object, name: str, most: float = float("inf")) -> None:
@@ -204,7 +206,7 @@ def check_number(value: object, name: str, most: float = float("inf")) -> None:
         If it is out of the range.
     """
     if not is_number(value):
-        raise ArgumentTypeError(f"{name} must be a number, got {told(value)}")
+        raise ArgumentTypeError(f"{name} must be a number, got {value_text(value)}")
     if not 0.0 <= value <= most:
         allowed = "at least 0" if most == float("inf") else f"from 0 to {most:g}"
         raise ArgumentError(f"{name} must be {allowed}, got {value:.6g}")

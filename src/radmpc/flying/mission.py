@@ -292,8 +292,8 @@ class Mission(Logbook):
             self._enter("adopted", decision.price)
             self._known = states = self._leg.begun(states)
         found = commanded(self._leg, self._step, states, alarms)
-        told = alarms, self._clock() - begun
-        tick = decision.tick(self._step, found.segments, wealth, told)
+        notes = alarms, self._clock() - begun
+        tick = decision.tick(self._step, found.segments, wealth, notes)
         self._ticks.append(tick)
         self._expected = found.expected
         self._step += 1

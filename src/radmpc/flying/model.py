@@ -89,7 +89,7 @@ class Model:
         normal = self._drawn(self._initial, 1.0)
         self._larger = self._nature.begin()
         self._states = _sums(starts, [self._larger * each for each in normal])
-        known = self._nature.told(self._states, None)
+        known = self._nature.estimated(self._states, None)
         self._strays = self._now_straying(), {}
         if self._scenario.avoidance == "intervals":
             return known, ()
@@ -117,7 +117,7 @@ class Model:
         pushed = [_moved(v, x, u) for v, x, u in pairs]
         added = self._nature.disturbed(self._drawn(self._disturbance, self._larger))
         before, self._states = self._states, _sums(pushed, added)
-        known = self._nature.told(self._states, controls)
+        known = self._nature.estimated(self._states, controls)
         self._strays = self._now_straying(), self._strays[0]
         self._step += 1
         if self._scenario.avoidance == "intervals":

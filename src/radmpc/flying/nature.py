@@ -44,14 +44,14 @@ class Estimator:
         Its gains.
     step : int
         The next one at which something is measured.
-    known : (2 n + s,) array
+    estimate : (2 n + s,) array
         What is expected then: of the state, and of the disturbances over the step that follows.
     """
 
     vehicle: Vehicle
     learning: Learning
     step: int = 0
-    known: Vector = field(default_factory=lambda: np.zeros(0))
+    estimate: Vector = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def of(cls, vehicle: Vehicle, horizon: int) -> Estimator:
@@ -67,19 +67,19 @@ class Estimator:
         learning = learning_of(vehicle.system, vehicle.noise, horizon)
         return cls(vehicle, learning, 0, expected_start(vehicle)[: len(learning.gains[0])])
 
-    def measured(self, found: Vector) -> Vector:
+    def measured(self, measurement: Vector) -> Vector:
         """Return the estimate of the state after a measurement, (n,).
 
         Parameters
         ----------
-        found : (p,) array
+        measurement : (p,) array
             What is measured.
         """
         sensor, n = self.vehicle.measurement, self.vehicle.start.size
         if sensor is not None:
-            surprise = found - sensor.matrix @ self.known[:n]
-            self.known = self.known + self.learning.gains[self.step] @ surprise
-        return self.known[:n]
+            surprise = measurement - sensor.matrix @ self.estimate[:n]
+            self.estimate = self.estimate + self.learning.gains[self.step] @ surprise
+        return self.estimate[:n]
 
     def flown(self, control: Vector) -> None:
         """Expect what a control leads to.
@@ -89,7 +89,7 @@ class Estimator:
         control : (m,) array
             What was flown over the step.
         """
-        self.known, self.step = moved(self.vehicle, self.known, control), self.step + 1
+        self.estimate, self.step = moved(self.vehicle, self.estimate, control), self.step + 1
 
 
 class Nature:
@@ -174,7 +174,7 @@ class Nature:
             self._places[i] = onward + self._drawn(shape.disturbance_covariance)
         return added
 
-    def told(
+    def estimated(
         self, states: Sequence[Vector], controls: Sequence[Vector] | None
     ) -> tuple[Vector, ...]:
         """Return states as they are known: for vehicles with a measurement, the estimates.

@@ -10,7 +10,7 @@ import numpy as np
 
 from radmpc.arrays import Vector, field_names, frozen
 from radmpc.flying.knowing import best_of, known_after
-from radmpc.model.noise.known import Known
+from radmpc.model.noise.belief import Belief
 from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
@@ -100,12 +100,12 @@ def _known_as(vehicle: Vehicle, other: Vehicle) -> Vehicle:
         initial_covariance=other.initial_covariance,
         disturbance_covariance=other.disturbance_covariance,
         measurement=other.measurement,
-        known=other.known,
+        belief=other.belief,
         shared=other.shared,
     )
 
 
-def _begun(vehicle: Vehicle, state: Vector, known: Known | None) -> Vehicle:
+def _begun(vehicle: Vehicle, state: Vector, known: Belief | None) -> Vehicle:
     """Return a vehicle that begins with what is known of it after some steps."""
     if known is None:
         return changed(vehicle, start=state, initial_covariance=0.0 * vehicle.initial_covariance)
@@ -113,7 +113,7 @@ def _begun(vehicle: Vehicle, state: Vector, known: Known | None) -> Vehicle:
     unknown = known.covariance[:n, :n].copy()
     if known.common is not None:
         unknown += known.common[:n] @ known.common[:n].T
-    return changed(vehicle, start=best[:n].copy(), initial_covariance=unknown, known=known)
+    return changed(vehicle, start=best[:n].copy(), initial_covariance=unknown, belief=known)
 
 
 def _scaled(scenario: Scenario, scale: Scale) -> Scenario:
@@ -129,18 +129,18 @@ def _scaled(scenario: Scenario, scale: Scale) -> Scenario:
 
 def _scaled_vehicle(vehicle: Vehicle, times: float) -> Vehicle:
     """Return a vehicle with all of its covariances multiplied."""
-    sensor, known = vehicle.measurement, vehicle.known
+    sensor, belief = vehicle.measurement, vehicle.belief
     if sensor is not None:
         sensor = changed(sensor, covariance=times * sensor.covariance)
-    if known is not None:
-        common = None if known.common is None else np.sqrt(times) * known.common
-        known = changed(known, covariance=times * known.covariance, common=common)
+    if belief is not None:
+        common = None if belief.common is None else np.sqrt(times) * belief.common
+        belief = changed(belief, covariance=times * belief.covariance, common=common)
     return changed(
         vehicle,
         initial_covariance=times * vehicle.initial_covariance,
         disturbance_covariance=times * vehicle.disturbance_covariance,
         measurement=sensor,
-        known=known,
+        belief=belief,
         shared=tuple(changed(part, covariance=times * part.covariance) for part in vehicle.shared),
     )
 

@@ -147,12 +147,12 @@ def _feedback_pairs(
     return deviations[is_step], (samples.controls[:-1] - planned)[is_step]
 
 
-def without_jumps(found: Transitions, dimension: int) -> tuple[Transitions, int, float]:
+def without_jumps(transitions: Transitions, dimension: int) -> tuple[Transitions, int, float]:
     """Return transitions without jumps of the position, such as a receiver's resets.
 
     Parameters
     ----------
-    found : Transitions
+    transitions : Transitions
         Of one vehicle.
     dimension : int
         Number of axes d.
@@ -166,22 +166,22 @@ def without_jumps(found: Transitions, dimension: int) -> tuple[Transitions, int,
     largest : float
         The largest of them [m].
     """
-    if found.num_steps < 10:
-        return found, 0, 0.0
-    y = np.concatenate([segment.y for segment in found.segments])[:, :dimension]
+    if transitions.num_steps < 10:
+        return transitions, 0, 0.0
+    y = np.concatenate([segment.y for segment in transitions.segments])[:, :dimension]
     centered = np.abs(y - np.median(y, axis=0))
     scale = 1.4826 * np.median(centered, axis=0)
     is_jump = np.any((centered > _JUMP * scale) & (scale > 0.0), axis=1)
     count = int(is_jump.sum())
     if not count or count > _MOST_JUMPS * len(y):
-        return found, 0, 0.0
+        return transitions, 0, 0.0
     pieces: list[Segment] = []
     begin = 0
-    for segment in found.segments:
+    for segment in transitions.segments:
         pieces += _parts(segment, ~is_jump[begin : begin + len(segment.y)])
         begin += len(segment.y)
     largest = float(np.linalg.norm(y[is_jump] - np.median(y, axis=0), axis=1).max())
-    return replace(found, segments=tuple(pieces)), count, largest
+    return replace(transitions, segments=tuple(pieces)), count, largest
 
 
 def _parts(segment: Segment, is_kept: npt.NDArray[np.bool_]) -> Sequence[Segment]:

@@ -10,7 +10,7 @@ import numpy as np
 from radmpc.arrays import Frozen, Matrix, Vector, frozen
 from radmpc.errors import ArgumentTypeError, FileFormatError
 from radmpc.records import dataclass
-from radmpc.wording import one, told
+from radmpc.wording import one, value_text
 
 __all__ = ["Track", "check_tracks"]
 
@@ -126,10 +126,11 @@ def check_tracks(tracks: object) -> None:
     wanted = "tracks must be a sequence of Track"
     if isinstance(tracks, str | PathLike):
         raise ArgumentTypeError(
-            f"{wanted}, got {told(tracks)}: read_logs of radmpc.importing.logs.reading reads files"
+            f"{wanted}, got {value_text(tracks)}: "
+            "read_logs of radmpc.importing.logs.reading reads files"
         )
     if not isinstance(tracks, Sequence):
-        raise ArgumentTypeError(f"{wanted}, got {told(tracks)}")
+        raise ArgumentTypeError(f"{wanted}, got {value_text(tracks)}")
     other = next((track for track in tracks if not isinstance(track, Track)), None)
     if other is not None:
         raise ArgumentTypeError(f"{wanted}, got {one(type(other))} in it")

@@ -16,7 +16,7 @@ _DOUBT = 0.01
 
 
 def unknowns(
-    found: Estimate,
+    identified: Estimate,
     shared: Shared | None,
     model: StepModel,
     evidence: Evidence,
@@ -26,7 +26,7 @@ def unknowns(
 
     Parameters
     ----------
-    found : Estimate
+    identified : Estimate
         What can.
     shared : Shared or None
         The part that vehicles have in common, if it could be looked for.
@@ -38,7 +38,7 @@ def unknowns(
         How many vehicles they are of.
     """
     told = {"states": _of_states, "references": _of_references, "commands": _of_commands}
-    sentences = told[evidence](found, model)
+    sentences = told[evidence](identified, model)
     if num_vehicles < 2:
         sentences.append("shared noise: the logs are of one vehicle")
     elif shared is None:
@@ -46,9 +46,9 @@ def unknowns(
     return tuple(sentences)
 
 
-def _of_states(found: Estimate, model: StepModel) -> list[str]:
+def _of_states(identified: Estimate, model: StepModel) -> list[str]:
     """Return what states alone do not tell."""
-    del found
+    del identified
     moved = "controls" if model.has_velocity else "motion"
     sentences = [
         f"noise apart from {moved}: without commands or references every maneuver counts as noise, "
@@ -63,17 +63,17 @@ def _of_states(found: Estimate, model: StepModel) -> list[str]:
     return sentences
 
 
-def _of_references(found: Estimate, model: StepModel) -> list[str]:
+def _of_references(identified: Estimate, model: StepModel) -> list[str]:
     """Return what states with references do not tell."""
     sentences = []
-    if found.gain is not None and not found.gain.excludes_zero:
+    if identified.gain is not None and not identified.gain.excludes_zero:
         sentences.append("feedback: deviations come back no faster than by chance")
-    if found.gain_chance < _DOUBT:
+    if identified.gain_chance < _DOUBT:
         sentences.append(
             "feedback: the closed loop is not that of a double integrator with K alone (lags, "
             "integrators or measurement noise in the loop); K is the nearest"
         )
-    if found.color == 0.0 and found.autocorrelation.first_score > 2.58:
+    if identified.color == 0.0 and identified.autocorrelation.first_score > 2.58:
         sentences.append(
             "time constant: without velocities a lasting disturbance and slow feedback look alike"
             if not model.has_velocity
@@ -81,45 +81,49 @@ def _of_references(found: Estimate, model: StepModel) -> list[str]:
         )
     sentences.append(
         "measurement noise: it enters through the feedback, too; log the commands"
-        if found.autocorrelation.first_score < -2.58
+        if identified.autocorrelation.first_score < -2.58
         else "measurement noise: no sign of it, nor would a small part show without commands"
     )
     return sentences
 
 
-def _of_commands(found: Estimate, model: StepModel) -> list[str]:
+def _of_commands(identified: Estimate, model: StepModel) -> list[str]:
     """Return what states with commands do not tell."""
     del model
     sentences = []
-    if found.gain is None:
+    if identified.gain is None:
         sentences.append("feedback: commands without references hide what they answer")
-    if found.measurement is None and found.color > 0.0:
+    if identified.measurement is None and identified.color > 0.0:
         sentences.append("measurement noise: the disturbance's own memory hides it")
-    elif found.measurement is None:
+    elif identified.measurement is None:
         sentences.append(
             "measurement noise: residuals show no sign of it: it is small against the disturbance, "
             "or logged states are filtered"
         )
-    if found.measurement is not None and found.color == 0.0:
+    if identified.measurement is not None and identified.color == 0.0:
         sentences.append("time constant: measurement noise hides it")
-    if found.tails is not None and found.measurement is not None and not found.tails.is_gaussian:
+    if (
+        identified.tails is not None
+        and identified.measurement is not None
+        and not identified.tails.is_gaussian
+    ):
         sentences.append("whose tails are heavy: those of the disturbance or of the measurement")
     return sentences
 
 
-def misfit_of_color(found: Estimate) -> str | None:
+def misfit_of_color(identified: Estimate) -> str | None:
     """Return how autocorrelations contradict a single time constant, None if they do not.
 
     Parameters
     ----------
-    found : Estimate
+    identified : Estimate
         Of noise with color.
     """
-    seen = found.autocorrelation
-    if found.color <= 0.0 or seen.values.size < 5:
+    seen = identified.autocorrelation
+    if identified.color <= 0.0 or seen.values.size < 5:
         return None
-    expected = found.color ** seen.lags[:5]
-    width = 4.0 * seen.deviations[:5] / max(1.0 - found.color, 0.05)
+    expected = identified.color ** seen.lags[:5]
+    width = 4.0 * seen.deviations[:5] / max(1.0 - identified.color, 0.05)
     worst = int(np.argmax(np.abs(seen.values[:5] - expected) - width))
     if abs(seen.values[worst] - expected[worst]) <= width[worst]:
         return None

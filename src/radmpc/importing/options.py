@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from radmpc.arguments import field_integer, field_number, told
+from radmpc.arguments import field_integer, field_number, value_text
 from radmpc.errors import ScenarioError
 from radmpc.io.ranges import check_range
 from radmpc.model.scenario import Avoidance
@@ -61,7 +61,9 @@ class ImportOptions:
                 field_integer(getattr(self, name), (name,))
         layer = [self.layer] if isinstance(self.layer, str) else self.layer
         if not isinstance(layer, Sequence) or not all(isinstance(n, str) and n for n in layer):
-            raise ScenarioError(f"must be names of layers, got {told(self.layer)}", ("layer",))
+            raise ScenarioError(
+                f"must be names of layers, got {value_text(self.layer)}", ("layer",)
+            )
         object.__setattr__(self, "layer", tuple(layer))
         if self.horizon is not None and not 1 <= self.horizon <= 1000:
             raise ScenarioError(f"must be 1 to 1000 steps, got {self.horizon}", ("horizon",))
@@ -79,7 +81,7 @@ class ImportOptions:
             isinstance(self.avoidance, str) and self.avoidance in {"steps", "intervals"}
         ):
             raise ScenarioError(
-                f"must be 'steps' or 'intervals', got {told(self.avoidance)}", ("avoidance",)
+                f"must be 'steps' or 'intervals', got {value_text(self.avoidance)}", ("avoidance",)
             )
 
     @property

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from radmpc.arguments import told
+from radmpc.arguments import value_text
 from radmpc.errors import ArgumentError
 from radmpc.io.export.tracks import velocities_over_ground
 from radmpc.model.given import check_plan
@@ -51,7 +51,7 @@ def to_pandas(plan: Plan, table: str = "trajectories") -> pandas.DataFrame:
     """
     check_plan(plan)
     if not (isinstance(table, str) and table in {"trajectories", "ledger"}):
-        raise ArgumentError(f"table must be 'trajectories' or 'ledger', got {told(table)}")
+        raise ArgumentError(f"table must be 'trajectories' or 'ledger', got {value_text(table)}")
     try:
         import pandas as pd  # noqa: PLC0415 - an extra
     except ImportError as error:

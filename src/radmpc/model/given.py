@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 
-from radmpc.arguments import check_kind, told
+from radmpc.arguments import check_kind, value_text
 from radmpc.errors import ArgumentError
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Avoidance, Scenario
@@ -94,7 +94,7 @@ def plan_under(plan: Plan, avoidance: Avoidance | None) -> Plan:
         return plan
     if not (isinstance(avoidance, str) and avoidance in {"intervals", "steps"}):
         raise ArgumentError(
-            f"avoidance must be 'intervals', 'steps' or None, got {told(avoidance)}"
+            f"avoidance must be 'intervals', 'steps' or None, got {value_text(avoidance)}"
         )
     if avoidance == plan.scenario.avoidance:
         return plan

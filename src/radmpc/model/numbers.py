@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_integer, field_number, field_parts, told
+from radmpc.arguments import field_integer, field_number, field_parts, value_text
 from radmpc.arrays import Vector, as_axes
 from radmpc.errors import ScenarioError, all_checked, raise_together
 
@@ -166,7 +166,7 @@ def step_window(given: object, name: str) -> tuple[int, int]:
     parts = field_parts(given, "two steps, the first and the last", (name,))
     if len(parts) != 2:
         raise ScenarioError(
-            f"must be two steps, the first and the last, got {told(given)}", (name,)
+            f"must be two steps, the first and the last, got {value_text(given)}", (name,)
         )
     first, last = (field_integer(part, (name, i)) for i, part in enumerate(parts))
     if not 1 <= first <= last:

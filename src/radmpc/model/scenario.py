@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Literal, TypeVar
 
-from radmpc.arguments import field_integer, field_number, field_parts, field_text, one, told
+from radmpc.arguments import field_integer, field_number, field_parts, field_text, one, value_text
 from radmpc.errors import ScenarioError
 from radmpc.model.consistency import (
     check_dimensions,
@@ -181,7 +181,7 @@ class Scenario:
         put(self, "goals", _all_of(Goal, self.goals, "goals"))
         if not isinstance(self.workspace, Workspace | None):
             raise ScenarioError(
-                f"must be a Workspace or None, got {told(self.workspace)}", ("workspace",)
+                f"must be a Workspace or None, got {value_text(self.workspace)}", ("workspace",)
             )
         if self.keep != ():
             from radmpc.model.relations.keep import checked_keep  # noqa: PLC0415 - few keep a range
@@ -190,7 +190,7 @@ class Scenario:
         if self.source is not None:
             if not isinstance(self.source, Mapping):
                 raise ScenarioError(
-                    f"must be a mapping or None, got {told(self.source)}", ("source",)
+                    f"must be a mapping or None, got {value_text(self.source)}", ("source",)
                 )
             # A plain dict, not a proxy, would be shared and mutable; a proxy does not pickle.
             put(self, "source", dict(self.source))
@@ -201,7 +201,7 @@ class Scenario:
         check_not_negative(self.time_weight, "time_weight")
         if not (isinstance(self.avoidance, str) and self.avoidance in {"steps", "intervals"}):
             raise ScenarioError(
-                f"must be 'steps' or 'intervals', got {told(self.avoidance)}", ("avoidance",)
+                f"must be 'steps' or 'intervals', got {value_text(self.avoidance)}", ("avoidance",)
             )
 
     @property
@@ -295,6 +295,6 @@ def _all_of(kind: type[_Part], given: object, field: str) -> tuple[_Part, ...]:
     parts = []
     for i, part in enumerate(field_parts(given, f"a sequence of {kind.__name__}s", (field,))):
         if not isinstance(part, kind):
-            raise ScenarioError(f"must be {one(kind)}, got {told(part)}", (field, i))
+            raise ScenarioError(f"must be {one(kind)}, got {value_text(part)}", (field, i))
         parts.append(part)
     return tuple(parts)

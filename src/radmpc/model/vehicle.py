@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import check_integer, field_number, field_text, told
+from radmpc.arguments import check_integer, field_number, field_text, value_text
 from radmpc.arrays import (
     Frozen,
     Matrix,
@@ -32,7 +32,7 @@ from radmpc.model.states import as_state
 from radmpc.records import dataclass
 
 if TYPE_CHECKING:
-    from radmpc.model.noise.known import Known
+    from radmpc.model.noise.belief import Belief
     from radmpc.model.noise.measurement import Measurement
     from radmpc.model.noise.shared import SharedDisturbance
     from radmpc.model.noise.spread import Noise, Spread
@@ -89,7 +89,7 @@ class Vehicle(Frozen):
         Boxes that its mean visits on the way, one after the other.
     control_norm, speed_norm : float or None
         Largest Euclidean norm of the control, of the mean velocity, > 0; None is free.
-    known : Known or None
+    belief : Belief or None
         What has been learned by k = 0 of a vehicle under way whose disturbances last or that
         measures, in place of `initial_covariance`; it shares no disturbance. In no file.
     """
@@ -113,7 +113,7 @@ class Vehicle(Frozen):
     via: tuple[Visit, ...] = ()
     control_norm: float | None = None
     speed_norm: float | None = None
-    known: Known | None = None
+    belief: Belief | None = None
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -138,7 +138,7 @@ class Vehicle(Frozen):
             via: Iterable[Visit] = (),
             control_norm: float | None = None,
             speed_norm: float | None = None,
-            known: Known | None = None,
+            belief: Belief | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -189,7 +189,7 @@ class Vehicle(Frozen):
         for name, kind in kinds.items():
             part = getattr(self, name)
             if not isinstance(part, kind):
-                raise ScenarioError(f"must be a {kind.__name__}, got {told(part)}", (name,))
+                raise ScenarioError(f"must be a {kind.__name__}, got {value_text(part)}", (name,))
         if self.shared != ():
             from radmpc.model.noise.shared import as_shared  # noqa: PLC0415 - few share
 
@@ -212,7 +212,7 @@ class Vehicle(Frozen):
         from radmpc.model.noise.spread import Noise  # noqa: PLC0415 - few need it
 
         own = self.disturbance_covariance, self.disturbance_correlation
-        return Noise(self.initial_covariance, *own, self.measurement, self.shared, self.known)
+        return Noise(self.initial_covariance, *own, self.measurement, self.shared, self.belief)
 
     def pushes(self, horizon: int) -> Vector | Matrix | None:
         """Return what steps add to the mean besides control.
@@ -227,8 +227,8 @@ class Vehicle(Frozen):
         (n,) or (T, n) array or None
             The same at every step, or one row each; None is nothing.
         """
-        known, noise = self.known, (self.disturbance_correlation, self.shared)
-        return self.drift if known is None else known.pushes(noise, self.drift, horizon)
+        belief, noise = self.belief, (self.disturbance_correlation, self.shared)
+        return self.drift if belief is None else belief.pushes(noise, self.drift, horizon)
 
     @property
     def has_memory(self) -> bool:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_parts, told
+from radmpc.arguments import field_parts, value_text
 from radmpc.arrays import Frozen, Vector, as_axes, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import LinearSystem
@@ -210,7 +210,7 @@ def checked_visits(given: object, system: LinearSystem) -> tuple[Visit, ...]:
     visits = []
     for j, visit in enumerate(field_parts(given, "a sequence of Visits", ("via",))):
         if not isinstance(visit, Visit):
-            raise ScenarioError(f"must be a Visit, got {told(visit)}", ("via", j))
+            raise ScenarioError(f"must be a Visit, got {value_text(visit)}", ("via", j))
         if visit.lower.size != system.dimension:
             raise ScenarioError(
                 f"must have {system.dimension} coordinates like the position, "

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import is_number, value_text
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import rollout
@@ -48,7 +48,7 @@ class Distance(Decomposition):
         """Refuse what is no distance."""
         if not (is_number(self.meters) and 0.0 <= self.meters < float("inf")):
             raise ScenarioError(
-                f"distance must be a number of meters >= 0, got {told(self.meters)}"
+                f"distance must be a number of meters >= 0, got {value_text(self.meters)}"
             )
 
     def __str__(self) -> str:

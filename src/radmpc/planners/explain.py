@@ -10,7 +10,7 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.conflicts import cannot_avoid, start_too_risky
-from radmpc.planners.cures.trying import reach_sentence, room_sentence
+from radmpc.planners.cures.trying import passage_sentence, reach_sentence
 from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.planner import Planner
 from radmpc.planners.policies.policy import SolveRequest
@@ -75,7 +75,7 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
     if not members:
         return text
     part = scenario.subset(members, scenario.risk_bound)
-    cure = room_sentence(part, partial(_finds_way, planner), limits)
+    cure = passage_sentence(part, partial(_finds_way, planner), limits)
     return " ".join(filter(None, [text, cure]))
 
 

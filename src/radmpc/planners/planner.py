@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import is_number, value_text
 from radmpc.arrays import Matrix
 from radmpc.errors import ScenarioError
 from radmpc.model.scenario import Scenario
@@ -24,7 +24,7 @@ __all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "nobody"]
 Progress = Callable[[str, int, int | None], None]
 """Told the stage, its parts done, and how many there are, if that is known."""
 
-Found = Callable[[float, float | None], None]
+TellBest = Callable[[float, float | None], None]
 """Told the cost of the best plan so far, and a lower bound on plans like it, None without one."""
 
 Improved = Callable[[tuple[Matrix, ...]], None]
@@ -63,7 +63,7 @@ class Run:
     executor: Executor | None
     progress: Progress
     judge: Judge
-    found: Found
+    found: TellBest
     improved: Improved = nobody
 
 
@@ -147,10 +147,10 @@ class Planner:
             choice = getattr(self, name)
             if not isinstance(choice, kind):
                 raise ScenarioError(
-                    f"{name} must be a record such as {example}, got {told(choice)}"
+                    f"{name} must be a record such as {example}, got {value_text(choice)}"
                 )
         if not (is_number(self.gap) and 0.0 < self.gap < 1.0):
-            raise ScenarioError(f"gap must lie between 0 and 1, got {told(self.gap)}")
+            raise ScenarioError(f"gap must lie between 0 and 1, got {value_text(self.gap)}")
         if self.policy.family not in self.decomposition.families:
             known = ", ".join(sorted(self.decomposition.families))
             raise ScenarioError(

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from radmpc import planners
-from radmpc.arguments import told
+from radmpc.arguments import value_text
 from radmpc.errors import ScenarioError
 from radmpc.planners.planner import Planner
 from radmpc.records import dataclass
@@ -146,7 +146,7 @@ def parse_planner(text: str) -> Planner:
     pattern = r"\s*([a-z-]+)\s*(?:\(\s*([^()]*?)\s*\))?\s*"
     match = re.fullmatch(pattern, text) if isinstance(text, str) else None
     if match is None or match[1] not in PRESETS:
-        raise ScenarioError(f"planner must be one of {', '.join(PRESETS)}, got {told(text)}")
+        raise ScenarioError(f"planner must be one of {', '.join(PRESETS)}, got {value_text(text)}")
     preset = PRESETS[match[1]]
     if match[2] is None:
         return preset.planner

@@ -235,14 +235,14 @@ def too_far_texts(scenario: Scenario, model: CondensedModel) -> tuple[str, str]:
     )
 
 
-def endpoint_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
+def endpoint_reasons(scenario: Scenario, floors: Floors) -> list[Reason]:
     """Say what starts and goals risk, where that alone is above Δ.
 
     Parameters
     ----------
     scenario : Scenario
         The fleet.
-    found : Floors
+    floors : Floors
         What they risk.
 
     Returns
@@ -251,16 +251,16 @@ def endpoint_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
         Empty where they risk no more than Δ.
     """
     threshold = scenario.risk_bound * (1.0 + _ROUNDING)
-    if found.total <= threshold:
+    if floors.total <= threshold:
         return []
-    hazards = (*found.starts, *found.goals)
+    hazards = (*floors.starts, *floors.goals)
     alone = [hazard for hazard in hazards if hazard.risk > threshold]
     reasons = [Reason(*told) for told in endpoint_sentences(scenario, alone)]
     if reasons:
         return reasons
     for i in range(scenario.num_vehicles):
         for at_goal in (False, True):
-            risk = float(found.vehicles[i, int(at_goal)])
+            risk = float(floors.vehicles[i, int(at_goal)])
             if risk > threshold:
                 own = _own(hazards, i, at_goal=at_goal)
                 reasons.append(Reason((i,), endpoints_text(scenario, own, risk)))
@@ -268,21 +268,21 @@ def endpoint_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
         return reasons
     ranked = tuple(sorted(hazards, key=lambda hazard: -hazard.risk))
     everyone = tuple(sorted({i for hazard in ranked for i in hazard.members}))
-    return [Reason(everyone, endpoints_text(scenario, ranked, found.total))]
+    return [Reason(everyone, endpoints_text(scenario, ranked, floors.total))]
 
 
-def hazards_of(found: Floors, members: Sequence[int]) -> list[EndpointHazard]:
+def hazards_of(floors: Floors, members: Sequence[int]) -> list[EndpointHazard]:
     """Return what starts and goals of some vehicles risk among themselves, the greatest first.
 
     Parameters
     ----------
-    found : Floors
+    floors : Floors
         What those of all risk.
     members : sequence of int
         The vehicles.
     """
     whom = set(members)
-    own = [hazard for hazard in (*found.starts, *found.goals) if whom.issuperset(hazard.members)]
+    own = [hazard for hazard in (*floors.starts, *floors.goals) if whom.issuperset(hazard.members)]
     return sorted(own, key=lambda hazard: -hazard.risk)
 
 

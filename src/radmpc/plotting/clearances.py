@@ -19,7 +19,7 @@ from radmpc.plotting.curves import mean_path, positions
 from radmpc.plotting.interpolation import moving_outline
 from radmpc.records import dataclass, replace
 
-__all__ = ["Clearance", "closest_clearances", "distances_at_steps", "touches_way"]
+__all__ = ["Clearance", "closest_clearances", "distances_at_steps", "touches_sweep"]
 
 _NEAR = 12.0
 """Standard deviations beyond which a pair is not looked at."""
@@ -145,7 +145,7 @@ def distances_at_steps(plan: Plan, i: int, obstacle: Obstacle) -> Vector:
     return np.array(found) - vehicle.radius
 
 
-def touches_way(plan: Plan, i: int, obstacle: Obstacle) -> bool:
+def touches_sweep(plan: Plan, i: int, obstacle: Obstacle) -> bool:
     """Whether a vehicle's swept hull touches what a moving obstacle sweeps, at whatever times.
 
     Parameters

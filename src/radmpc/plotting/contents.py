@@ -40,7 +40,7 @@ def draw_contents(ax: Axes, plan: Plan, plane: Plane = ABOVE) -> None:
     strength = _SWEEP if plan.trajectories else 1.0
     draw_surroundings(ax, scenario, board, colors, strength=strength, plane=plane)
     name_vehicles(scenario, board, colors, plane)
-    draw_ranges(ax, plan, board, plane, is_told=scenario.num_vehicles <= MAX_LABELS)
+    draw_ranges(ax, plan, board, plane, is_named=scenario.num_vehicles <= MAX_LABELS)
     draw_ghosts(ax, plan, board, colors, plane)
     _number_steps(plan, board, colors, plane)
     draw_worst(ax, plan, plane)

@@ -28,13 +28,13 @@ _MOST_POINTS = 1500
 
 
 def plot_residuals(
-    found: Identification, figure: Figure | SubFigure | None = None
+    identified: Identification, figure: Figure | SubFigure | None = None
 ) -> tuple[Axes, Axes]:
     """Draw the residuals of an identification.
 
     Parameters
     ----------
-    found : Identification
+    identified : Identification
         What logs tell.
     figure : Figure, SubFigure or None
         Where; None makes one of two columns.
@@ -48,8 +48,8 @@ def plot_residuals(
     check_figure(figure)
     drawn = new_figure(2.0 * COLUMN_WIDTH, _HEIGHT) if figure is None else figure
     quantiles, past = drawn.subplots(1, 2)
-    _draw_quantiles(quantiles, found)
-    _draw_past(past, found)
+    _draw_quantiles(quantiles, identified)
+    _draw_past(past, identified)
     for axes in (quantiles, past):
         axes.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
         axes.set_axisbelow(True)
@@ -60,9 +60,9 @@ def plot_residuals(
     return quantiles, past
 
 
-def _draw_quantiles(axes: Axes, found: Identification) -> None:
+def _draw_quantiles(axes: Axes, identified: Identification) -> None:
     """Draw sorted residuals over Gaussian quantiles."""
-    residuals = found.pooled.residuals
+    residuals = identified.pooled.residuals
     count = len(residuals)
     places = (np.arange(count) + 0.5) / count
     expected = ndtri(places)
@@ -86,20 +86,24 @@ def _draw_quantiles(axes: Axes, found: Identification) -> None:
     _name(axes, "Residuals", "Gaussian quantile [std. dev.]", "residual [std. dev.]")
 
 
-def _draw_past(axes: Axes, found: Identification) -> None:
+def _draw_past(axes: Axes, identified: Identification) -> None:
     """Draw autocorrelations with the band of white noise."""
-    seen = found.pooled.autocorrelation
+    seen = identified.pooled.autocorrelation
     axes.axhline(0.0, color=MUTED, linewidth=0.5, zorder=1)
     if seen.lags.size:
-        seconds = found.model.dt * seen.lags
+        seconds = identified.model.dt * seen.lags
         axes.fill_between(
             seconds, -1.96 * seen.deviations, 1.96 * seen.deviations,
             color="#E4E4E4", linewidth=0.0, gid="white", zorder=0,
         )  # fmt: skip
         axes.vlines(seconds, 0.0, seen.values, color=PALETTE[0], linewidth=1.0, gid="correlations")
-    if found.pooled.color > 0.0 and seen.lags.size:
+    if identified.pooled.color > 0.0 and seen.lags.size:
         axes.plot(
-            seconds, found.pooled.color**seen.lags, color=PALETTE[1], linewidth=0.8, gid="memory"
+            seconds,
+            identified.pooled.color**seen.lags,
+            color=PALETTE[1],
+            linewidth=0.8,
+            gid="memory",
         )
     _name(axes, "Memory", "lag [s]", "autocorrelation [-]")
 

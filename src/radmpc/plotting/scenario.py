@@ -68,7 +68,7 @@ def _draw(ax: Axes, scenario: Scenario, plane: Plane) -> None:
     colors = vehicle_colors([v.name for v in scenario.vehicles], [])
     board = board_of(ax)
     draw_surroundings(ax, scenario, board, colors, plane=plane)
-    draw_ranges(ax, scenario, board, plane, is_told=scenario.num_vehicles <= MAX_LABELS)
+    draw_ranges(ax, scenario, board, plane, is_named=scenario.num_vehicles <= MAX_LABELS)
     name_vehicles(scenario, board, colors, plane)
     show_all(ax)
 

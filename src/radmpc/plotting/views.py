@@ -11,11 +11,11 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.arrays import Matrix
 from radmpc.plotting.canvas.figure import (
     ZOOM,
+    cell_of,
     drawn_box,
     fill,
     new_figure,
     ratio_in_space,
-    room_of,
     settle_axes,
     zoom_to,
 )
@@ -116,7 +116,7 @@ def settle_views(views: Views) -> None:
     root.draw_without_rendering()
     if not isinstance(views.figure, Figure):
         # Other panels of the user's figure may still move it, but its room is its own.
-        fill(views.oblique, room_of(views.oblique))
+        fill(views.oblique, cell_of(views.oblique))
         views.oblique.set_in_layout(False)
         return
     # Laid out once: from here on the oblique panel is moved by hand.
@@ -126,7 +126,7 @@ def settle_views(views: Views) -> None:
 
 def _center(ax: Axes3D) -> None:
     """Zoom and move axes in space until what is drawn fills the room they had."""
-    room, zoom = room_of(ax), ZOOM
+    room, zoom = cell_of(ax), ZOOM
     root = ax.get_figure(root=True)
     others = [artist for artist in root.get_children() if artist is not ax and artist.get_visible()]
     for artist in others:  # what is drawn beside takes the time, and says nothing

@@ -145,9 +145,9 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
     yield from _control(scenario, vehicle, seen)
     yield from _time(scenario, vehicle, seen)
     if seen.visits:
-        from radmpc.preflight.visits import told_of_visits  # noqa: PLC0415 - few visit anything
+        from radmpc.preflight.visits import describe_visits  # noqa: PLC0415 - few visit anything
 
-        for text, weight in told_of_visits(vehicle, seen.visits, scenario.horizon):
+        for text, weight in describe_visits(vehicle, seen.visits, scenario.horizon):
             cures = partial(visit_cures, scenario, vehicle)
             yield _Found("visit", seen.name, text, weight, is_fatal=weight > 1.0, cures=cures)
     for text, weight in describe_narrow(scenario, seen):

@@ -13,7 +13,7 @@ from radmpc.model.visits import steps_of_visits
 from radmpc.preflight.pace import ARRIVED, Pace
 from radmpc.records import dataclass
 
-__all__ = ["earliest_visits", "is_in_time", "told_of_visits"]
+__all__ = ["describe_visits", "earliest_visits", "is_in_time"]
 
 _TIGHT = 0.9
 """Share of the time until the goal is due that visits may take before it is a concern [-], as that
@@ -104,7 +104,7 @@ def _gets_there(pace: Pace, spent: Matrix, leg: tuple[_Box, _Box], steps: tuple[
     return True
 
 
-def told_of_visits(
+def describe_visits(
     vehicle: Vehicle, earliest: Sequence[int | None], horizon: int
 ) -> Iterator[tuple[str, float]]:
     """Yield what is to be said of visits that are too late, or of a goal after them.
@@ -155,4 +155,4 @@ def is_in_time(vehicle: Vehicle, horizon: int) -> bool:
         return False
     bounds = np.maximum(vehicle.control_bounds(vehicle.covariances(horizon)), 0.0)
     earliest = earliest_visits(vehicle, pace, bounds)
-    return not list(told_of_visits(vehicle, earliest, horizon))
+    return not list(describe_visits(vehicle, earliest, horizon))

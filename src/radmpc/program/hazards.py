@@ -109,7 +109,7 @@ class Hazards:
         The obstacles.
     workspace : tuple of (d,) array or None
         Lower and upper bounds of where centers may be [m].
-    moves : (N,) array
+    reaches : (N,) array
         How far each vehicle gets in a step, along an axis, at most [m].
     common, common_bent : (N, T+1, d, E) and (N, T, d, E) array, or None
         What normals behind shared disturbances make of positions, and what feedback held over a
@@ -130,7 +130,7 @@ class Hazards:
     intervals: bool
     shapes: Shapes
     workspace: tuple[Vector, Vector] | None
-    moves: Vector
+    reaches: Vector
     common: Tensor | None = None
     common_bent: Tensor | None = None
     tail: Tail = GAUSSIAN

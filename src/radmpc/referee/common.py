@@ -199,7 +199,7 @@ def lasting_means(vehicle: Vehicle, horizon: int) -> Matrix | None:
         Of its own disturbance, and of those it shares and that last, stacked.
     """
     parts = [part for part in vehicle.shared if part.correlation > 0.0]
-    rho, known = vehicle.disturbance_correlation, vehicle.known
+    rho, known = vehicle.disturbance_correlation, vehicle.belief
     if known is None or not (rho > 0.0 or parts):
         return None
     shared = np.zeros(0) if known.lasting is None else known.lasting

@@ -145,17 +145,17 @@ def loop_of(vehicle: Vehicle, horizon: int) -> Loop:
         none = np.zeros((n, n))
         pushed = _stacked(pushed, none, none)
         initial = _stacked(initial, none, fresh)
-        if vehicle.known is not None:
-            initial = vehicle.known.covariance
+        if vehicle.belief is not None:
+            initial = vehicle.belief.covariance
         fresh = _stacked(none, none, (1.0 - rho * rho) * fresh)
-    elif vehicle.known is not None:
-        initial = vehicle.known.covariance[:n, :n]
+    elif vehicle.belief is not None:
+        initial = vehicle.belief.covariance[:n, :n]
     nothing = np.zeros((len(free), 0))
     xi = _Open(free, pushed, initial, fresh, nothing, nothing)
     for part in vehicle.shared:
         xi = _widened(xi, part)
-    if vehicle.known is not None and vehicle.known.common is not None:
-        xi = _learned(xi, vehicle, vehicle.known.common)
+    if vehicle.belief is not None and vehicle.belief.common is not None:
+        xi = _learned(xi, vehicle, vehicle.belief.common)
     if vehicle.measurement is not None:
         return _filtered(vehicle, xi, horizon)
     closed = xi.free if vehicle.gain is None else xi.free + xi.pushed
@@ -235,7 +235,7 @@ def _filtered(vehicle: Vehicle, xi: _Open, horizon: int) -> Loop:
     unknown = np.zeros((horizon + 1, 2 * size, 2 * size))
     for k in range(horizon + 1):
         gain = error @ H.T @ _inverse(H @ error @ H.T + R)
-        if k == 0 and vehicle.known is not None:
+        if k == 0 and vehicle.belief is not None:
             gain = np.zeros_like(gain)
         gains.append(gain)
         left = np.eye(size) - gain @ H

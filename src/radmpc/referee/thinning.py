@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import is_number, value_text
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ArgumentError, NoPlanError, ScenarioError
 from radmpc.model.given import check_plan
@@ -110,7 +110,7 @@ def thin(
     for name, value, least in (("tolerance", tolerance, 0.0), ("rounding", rounding, -1e-300)):
         if not is_number(value) or not least < value < np.inf:
             sign = ">" if name == "tolerance" else ">="
-            raise ArgumentError(f"{name} must be a number {sign} 0 m, got {told(value)}")
+            raise ArgumentError(f"{name} must be a number {sign} 0 m, got {value_text(value)}")
     if not plan.trajectories:
         raise NoPlanError("nothing to thin: the plan has no trajectories")
     if risk_bound is not None:

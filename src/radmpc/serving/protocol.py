@@ -124,7 +124,7 @@ class SearchState(TypedDict):
     bound: float | None
     gap: float | None
     found: int
-    told: str | None
+    note: str | None
 
 
 class TickView(TypedDict):
@@ -151,7 +151,7 @@ class FlightState(TypedDict):
     steps: int
     riskBound: float
     ticks: Sequence[TickView]
-    told: str | None
+    note: str | None
 
 
 class DocumentState(TypedDict):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import is_number, value_text
 from radmpc.arrays import Vector, frozen
 from radmpc.errors import ArgumentError, ArgumentTypeError
 
@@ -36,7 +36,7 @@ def number_within(value: object, name: str, low: float, high: float, unit: str) 
     """
     number = _number(value)
     if number is None:
-        raise ArgumentTypeError(f"{name} must be a number, got {told(value)}")
+        raise ArgumentTypeError(f"{name} must be a number, got {value_text(value)}")
     if not low <= number <= high:
         allowed = f"from {low:g} to {high:g} {unit}".rstrip()
         raise ArgumentError(f"{name} must be {allowed}, got {number:g}")
@@ -75,7 +75,7 @@ def vector_within(value: object, name: str, count: int, most: float, unit: str) 
     numbers = [_number(part) for part in parts] if isinstance(parts, Sequence | np.ndarray) else []
     found = [number for number in numbers if number is not None]
     if len(found) != count or len(numbers) != count:
-        raise ArgumentTypeError(f"{name} must be {count} numbers, got {told(value)}")
+        raise ArgumentTypeError(f"{name} must be {count} numbers, got {value_text(value)}")
     vector = np.array(found)
     if not float(np.linalg.norm(vector)) <= most:
         raise ArgumentError(f"{name} must be at most {most:g} {unit}, got {found}")

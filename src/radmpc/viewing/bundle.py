@@ -7,7 +7,7 @@ from pathlib import Path
 
 from radmpc.errors import ArgumentError
 
-__all__ = ["BUNDLE", "can_view", "found_bundle"]
+__all__ = ["BUNDLE", "bundle_folder", "can_view"]
 
 BUNDLE = Path(__file__).parent.parent / "serving" / "bundle"
 """The folder that `make page` writes, and wheels bring."""
@@ -18,7 +18,7 @@ def can_view() -> bool:
     return _lack() is None
 
 
-def found_bundle() -> Path:
+def bundle_folder() -> Path:
     """Return the bundle's folder, if values can be viewed.
 
     Raises

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from radmpc.viewing.bundle import found_bundle
+from radmpc.viewing.bundle import bundle_folder
 from radmpc.viewing.content import Viewable, view_content
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def view(value: Viewable) -> ValueView:
         If ``anywidget`` is not installed, or the page was not built.
     """
     content = view_content(value)
-    bundle = found_bundle()
+    bundle = bundle_folder()
     # An extra, and a second to load.
     from radmpc.viewing.widget import ValueView  # noqa: PLC0415 - few need it
 

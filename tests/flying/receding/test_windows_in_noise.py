@@ -109,7 +109,7 @@ def states_taken_for_known(monkeypatch: pytest.MonkeyPatch) -> None:
 
     def wrong(*given):
         scene, *rest = right(*given)
-        vehicles = [replace(v, known=None, initial_covariance=0.0) for v in scene.vehicles]
+        vehicles = [replace(v, belief=None, initial_covariance=0.0) for v in scene.vehicles]
         return replace(scene, vehicles=vehicles), *rest
 
     monkeypatch.setattr(long_mission, "scene_of", wrong)

@@ -60,7 +60,7 @@ def test_what_was_seen_exactly_is_no_noise_and_missions_go_on(scenario: radmpc.S
 def test_nothing_is_left_open_and_nothing_is_learned_anew() -> None:
     learning = learning_of(craft().system, craft().noise, STEPS)
     assert not any(unknown.any() for unknown in learning.unknown)
-    assert [told.any() for told in learning.told] == [True] + [False] * STEPS
+    assert [each.any() for each in learning.corrections] == [True] + [False] * STEPS
 
 
 def test_a_sum_that_was_seen_tells_nothing_when_it_is_seen_again() -> None:
@@ -75,7 +75,7 @@ def test_a_sum_that_was_seen_tells_nothing_when_it_is_seen_again() -> None:
         measurement=Measurement([[0.37, 0.91]], 0.0),
     )
     learning = learning_of(still, vehicle.noise, STEPS)
-    assert [told.any() for told in learning.told] == [True] + [False] * STEPS
+    assert [each.any() for each in learning.corrections] == [True] + [False] * STEPS
     assert np.linalg.matrix_rank(learning.unknown[-1], 1e-12) == 1
     assert np.array_equal(learning.unknown[-1], learning.unknown[0])
 

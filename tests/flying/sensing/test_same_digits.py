@@ -21,7 +21,7 @@ def uncertain(mission: Mission, scenario: Scenario) -> list[bytes]:
     while not mission.is_over:
         if len(mission.ticks) < scenario.horizon:
             for vehicle in mission.remainder(states).vehicles:
-                known = vehicle.known
+                known = vehicle.belief
                 found.append(vehicle.initial_covariance.tobytes())
                 found.append(b"" if known is None else known.covariance.tobytes())
         tick = mission.step(states, contacts=contacts)

@@ -98,7 +98,7 @@ def forgets_what_lasts(patch: pytest.MonkeyPatch) -> None:
 
     def wrong(self, states):
         left = right(self, states)
-        vehicles = [replace(v, known=None, initial_covariance=0.0) for v in left.vehicles]
+        vehicles = [replace(v, belief=None, initial_covariance=0.0) for v in left.vehicles]
         return replace(left, vehicles=vehicles)
 
     patch.setattr(Mission, "remainder", wrong)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from radmpc import Goal, Scenario, Vehicle, double_integrator
-from radmpc.planners.cures.trying import reach_sentence, room_sentence
+from radmpc.planners.cures.trying import passage_sentence, reach_sentence
 from radmpc.planners.cures.variants import longer_horizons
 from radmpc.solvers.solution import Limits
 
@@ -41,12 +41,12 @@ def pair() -> Scenario:
     ],
 )
 def test_the_mildest_change_that_does_is_told_alone(does, told):
-    assert room_sentence(pair(), does, Limits()) == f"What helps, as tried: {told}"
+    assert passage_sentence(pair(), does, Limits()) == f"What helps, as tried: {told}"
 
 
 def test_nothing_is_told_where_nothing_does_or_no_time_is_left():
-    assert room_sentence(pair(), lambda *_: False, Limits()) == ""
-    assert room_sentence(pair(), lambda *_: True, Limits(deadline=0.0)) == ""
+    assert passage_sentence(pair(), lambda *_: False, Limits()) == ""
+    assert passage_sentence(pair(), lambda *_: True, Limits(deadline=0.0)) == ""
     assert reach_sentence(pair(), (0,), lambda *_: False, Limits()) == ""
 
 
@@ -65,7 +65,7 @@ def test_only_what_is_late_is_changed_to_reach_its_goal():
 
 def test_a_bound_that_nobody_wants_is_not_tried():
     bold = replace(pair(), risk_bound=0.2)
-    assert room_sentence(bold, lambda s, _: s.risk_bound > 0.2, Limits()) == ""
+    assert passage_sentence(bold, lambda s, _: s.risk_bound > 0.2, Limits()) == ""
 
 
 def test_horizons_to_try_are_longer_each():

@@ -37,6 +37,6 @@ def test_a_vehicle_that_cannot_but_stay_has_its_times_all_the_same():
     staying = replace(first, goal=Goal.at(place))
     scenario = replace(scenario, horizon=1, vehicles=(staying, second))
     hazards = Hazards.of(scenario, condensed_models(scenario))
-    assert hazards.moves[0] == 0.0
+    assert hazards.reaches[0] == 0.0
     path = timed_anyhow(hazards, 0, np.array([place, place]), np.random.default_rng(0))
     np.testing.assert_array_equal(path, [place, place])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes
-from radmpc.planners.certified.lattice.moves import Lattice
+from radmpc.planners.certified.lattice.positions import Lattice
 from radmpc.planners.certified.lattice.slacks import slacks_of
 
 

@@ -13,7 +13,7 @@ from radmpc.planners import Branch, Centralized, Certified, Ira, Optimal, Planne
 from radmpc.planners.certified import certified
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.phases import ahead, around
-from radmpc.planners.certified.proof.grouping import known_within, parts_of
+from radmpc.planners.certified.proof.grouping import parts_of, proven_within
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.search import BoundSearch
 from radmpc.planners.certified.search import PriceSearch
@@ -125,12 +125,12 @@ def test_what_cones_prove_of_vehicles_is_no_more_than_faces_charge_them(seed: in
     by_cones.advance(300, 3, by_cones.order)
     by_faces = BoundSearch(fleet, dear, price, base, 4000.0, is_by_faces=True)
     by_faces.advance(300, 3, by_faces.order)
-    [below], [above] = by_cones.known.values(), by_faces.known.values()
+    [below], [above] = by_cones.proven.values(), by_faces.proven.values()
     assert (0, 1) in below
     for blocks, known in below.items():
         best = above[blocks].value if blocks in above else np.inf
         assert known.bound <= best * (1.0 + 1e-9)
-    aided = BoundSearch(fleet, dear, price, base, 4000.0, is_by_faces=True, below=by_cones.known)
+    aided = BoundSearch(fleet, dear, price, base, 4000.0, is_by_faces=True, below=by_cones.proven)
     aided.advance(300, 3, aided.order)
     assert aided.best == pytest.approx(by_faces.best, rel=5e-3)
     assert aided.best <= sum(above[blocks].value for blocks in [(0, 1)])
@@ -158,9 +158,9 @@ def test_faces_that_leave_a_vehicle_no_plan_bound_nothing_from_above(monkeypatch
 
 def test_what_is_known_of_sets_is_found_again_when_they_are_merged():
     known = {(1,): {(0,): "one"}, (0, 2): {(0,): "zero", (1,): "two", (0, 1): "both"}, (5,): {}}
-    within = known_within((0, 1, 2), known)
+    within = proven_within((0, 1, 2), known)
     assert within == {(1,): "one", (0,): "zero", (2,): "two", (0, 2): "both"}
-    assert known_within((0, 1), known) == {(1,): "one"}
+    assert proven_within((0, 1), known) == {(1,): "one"}
 
 
 def test_vehicles_of_large_sets_are_parted():

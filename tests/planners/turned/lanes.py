@@ -1,4 +1,4 @@
-"""A lane between two rooms, and programs of single vehicles to seek ways in."""
+"""A lane between two rooms, and programs of single vehicles to seek routes in."""
 
 from __future__ import annotations
 

@@ -109,19 +109,19 @@ def test_a_detour_leads_around_a_wall_and_is_timed_from_start_to_goal() -> None:
     wall = Obstacle.polygon("wall", np.array(corners))
     walled = replace(scenario, obstacles=(wall,))
     hazards = Hazards.of(walled, condensed_models(walled))
-    way = detours(hazards, [0])[0]
+    route = detours(hazards, [0])[0]
     faces = wall.at(0)[0]
-    outside = (way @ faces.normals.T - faces.offsets).max(axis=1)
+    outside = (route @ faces.normals.T - faces.offsets).max(axis=1)
     assert outside.min() >= vehicle.radius - 1e-9 - 0.1
-    # The short way: past the end half a meter off the line, not past the one at 2.5 m.
-    assert ((way - middle) @ across).min() < -0.5
-    steps = timed(way, 10, 0.2, 0.7)
+    # The short route: past the end half a meter off the line, not past the one at 2.5 m.
+    assert ((route - middle) @ across).min() < -0.5
+    steps = timed(route, 10, 0.2, 0.7)
     assert steps[:3] == pytest.approx(np.tile(start, (3, 1)))
     assert steps[7:] == pytest.approx(np.tile(goal, (4, 1)))
     # The spacing is even between.
     assert (
         np.linalg.norm(np.diff(steps[2:8], axis=0), axis=1).max()
-        <= np.linalg.norm(np.diff(way, axis=0), axis=1).sum() / 5.0 + 1e-9
+        <= np.linalg.norm(np.diff(route, axis=0), axis=1).sum() / 5.0 + 1e-9
     )
 
 
@@ -152,19 +152,19 @@ def test_a_plan_among_turned_half_spaces_costs_no_more_than_by_faces() -> None:
 def test_prioritized_ways_keep_off_each_other_and_off_the_walls_at_every_step() -> None:
     scenario = import_scenario(INSTANCES / "s2m2" / "zigzag.yaml").scenario
     hazards = Hazards.of(scenario, condensed_models(scenario))
-    ways = prioritized(hazards, lambda: False)
-    assert sorted(ways) == list(range(hazards.count))
+    routes = prioritized(hazards, lambda: False)
+    assert sorted(routes) == list(range(hazards.count))
     faces = [piece for obstacle in scenario.obstacles for piece in obstacle.at(0)]
-    for i, way in ways.items():
-        assert way.shape == (hazards.horizon + 1, 2)
+    for i, route in routes.items():
+        assert route.shape == (hazards.horizon + 1, 2)
         for j in range(i):
-            apart = np.linalg.norm(way - ways[j], axis=1)
+            apart = np.linalg.norm(route - routes[j], axis=1)
             assert apart.min() > hazards.radii[i] + hazards.radii[j]
         for piece in faces:
-            outside = (way @ piece.normals.T - piece.offsets).max(axis=1)
+            outside = (route @ piece.normals.T - piece.offsets).max(axis=1)
             assert outside.min() >= hazards.radii[i]
         # No step is longer than the vehicle can move.
-        assert np.abs(np.diff(way, axis=0)).max() <= hazards.moves[i]
+        assert np.abs(np.diff(route, axis=0)).max() <= hazards.reaches[i]
 
 
 def test_prioritized_planning_says_when_nobody_gets_through() -> None:

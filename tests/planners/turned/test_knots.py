@@ -1,4 +1,4 @@
-"""Vehicles in narrow ways: at which pace they go, and who lets whom pass."""
+"""Vehicles in narrow routes: at which pace they go, and who lets whom pass."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from radmpc import certify, import_scenario
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.joint_search import joint_search
-from radmpc.planners.certified.turned.narrow.knots import joint_ways
+from radmpc.planners.certified.turned.narrow.knots import joint_routes
 from radmpc.planners.certified.turned.narrow.pacing import Pacing
 from radmpc.planners.certified.turned.narrow.prioritized import prioritized, prioritized_ticks
+from radmpc.planners.certified.turned.narrow.routes import shortest_routes
 from radmpc.planners.certified.turned.narrow.track import track
-from radmpc.planners.certified.turned.narrow.ways import shortest_ways
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from running import first_plan
@@ -62,14 +62,14 @@ def test_a_pace_keeps_room_at_corners_and_speeds_that_lead_from_place_to_place(
     hazards = hazards_of(scenario)
     clear = Clear.of(hazards)
     assert clear is not None
-    way = shortest_ways(hazards, clear, 2.0)[0][0]
-    laid_out = track(hazards, 0, way, (clear, 2.0))
+    route = shortest_routes(hazards, clear, 2.0)[0][0]
+    laid_out = track(hazards, 0, route, (clear, 2.0))
     assert laid_out is not None
     found = laid_out.paced(hazards.horizon, ())
     assert found is not None
     places = found[0]
-    assert places[0] == pytest.approx(way[0])
-    assert places[-1] == pytest.approx(way[-1])
+    assert places[0] == pytest.approx(route[0])
+    assert places[-1] == pytest.approx(route[-1])
     spread = np.sqrt(hazards.variances[0].max() / 2.0)
     needed = hazards.radii[0] + 2.0 * spread
     assert clear.along(places[:-1], places[1:]).min() >= needed - 0.02
@@ -78,7 +78,7 @@ def test_a_pace_keeps_room_at_corners_and_speeds_that_lead_from_place_to_place(
     speeds = [np.zeros(2)]
     for moved in np.diff(places, axis=0):
         speeds.append(2.0 * moved / dt - speeds[-1])
-    # Errors of half a level add up along the way.
+    # Errors of half a level add up along the route.
     assert np.abs(speeds).max() <= 1.3 * np.max(limit)
 
 
@@ -94,7 +94,7 @@ def test_a_pace_in_a_current_is_one_that_the_limits_through_the_water_allow(
     hazards = hazards_of(scenario)
     clear = Clear.of(hazards)
     assert clear is not None
-    laid_out = track(hazards, 0, shortest_ways(hazards, clear, 2.0)[0][0], (clear, 2.0))
+    laid_out = track(hazards, 0, shortest_routes(hazards, clear, 2.0)[0][0], (clear, 2.0))
     assert laid_out is not None
     found = laid_out.paced(hazards.horizon, ())
     assert found is not None
@@ -117,7 +117,7 @@ def test_vehicles_paced_on_ways_that_cross_are_never_near_between_steps(tmp_path
     clear = Clear.of(hazards)
     assert clear is not None
     pacing = Pacing(hazards, clear, 2.0)
-    pacing.offer(shortest_ways(hazards, clear, 2.0))
+    pacing.offer(shortest_routes(hazards, clear, 2.0))
     places = pacing.run((0, 1), never)
     assert sorted(places) == [0, 1]
     tau = np.linspace(0.0, 1.0, 21)[:, None, None]
@@ -131,7 +131,7 @@ def test_two_that_meet_head_on_in_a_corridor_have_no_pace(tmp_path: Path) -> Non
     clear = Clear.of(hazards)
     assert clear is not None
     pacing = Pacing(hazards, clear, 2.0)
-    pacing.offer(shortest_ways(hazards, clear, 2.0))
+    pacing.offer(shortest_routes(hazards, clear, 2.0))
     assert pacing.run((0, 1), never) == {}
 
 
@@ -182,9 +182,9 @@ def test_a_bay_lets_two_swap_where_no_order_of_priority_does(tmp_path: Path) -> 
     assert prioritized(hazards, never) == {}
     clear = Clear.of(hazards)
     assert clear is not None
-    ways = joint_ways(hazards, clear, np.random.default_rng(0), never)
+    routes = joint_routes(hazards, clear, np.random.default_rng(0), never)
     # One of them turns into the bay, which begins at y = 1.
-    assert max(way[:, 1].max() for way in ways.values()) > 1.2
+    assert max(route[:, 1].max() for route in routes.values()) > 1.2
     result = first_plan(scenario, time_limit=60.0)
     assert result.plan is not None
     assert certify(result.plan).holds

@@ -1,4 +1,4 @@
-"""Ways on a lattice, and the plans made of them: a heuristic, held to what it says."""
+"""Routes on a lattice, and the plans made of them: a heuristic, held to what it says."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from radmpc.solvers.solution import Limits
 
 
 def rows_at(problem, path):
-    """Return every row's clearance along a way without sagitta."""
+    """Return every row's clearance along a route without sagitta."""
     program = problem.program
     outputs = np.zeros(program.constant.size)
     outputs[: path.size] = path.ravel()
@@ -153,7 +153,7 @@ def test_where_effort_is_free_a_passage_seeks_the_least_risk():
 
 
 def least_of_way(scenario, controls, *, is_bent):
-    """Return the least risk of one vehicle's way past boxes, by faces held over intervals.
+    """Return the least risk of one vehicle's route past boxes, by faces held over intervals.
 
     From the scenario and the controls alone: dynamics, three events per interval (near end, near
     end as feedback bends it, far end), any of eleven shares of the reserve, and per box the

@@ -12,7 +12,7 @@ from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.turned.narrow.at_pace import keep_places
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.pacing import Pacing
-from radmpc.planners.certified.turned.narrow.ways import shortest_ways
+from radmpc.planners.certified.turned.narrow.routes import shortest_routes
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
@@ -39,7 +39,7 @@ def placed(hazards: Hazards) -> SuccessiveLp:
     clear = Clear.of(hazards)
     assert clear is not None
     pacing = Pacing(hazards, clear, CLEARANCE)
-    pacing.offer(shortest_ways(hazards, clear, CLEARANCE))
+    pacing.offer(shortest_routes(hazards, clear, CLEARANCE))
     successive = SuccessiveLp(hazards, Limits())
     assert successive.begin_alone()
     for i, path in pacing.run(range(hazards.count), never).items():

@@ -12,8 +12,8 @@ from radmpc import Scenario, Visit
 from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.successive import SuccessiveLp
-from radmpc.planners.certified.turned.touring.known import heights_on
 from radmpc.planners.certified.turned.touring.one_by_one import OneByOne
+from radmpc.planners.certified.turned.touring.solo_plan import heights_on
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits

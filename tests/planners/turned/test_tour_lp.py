@@ -121,8 +121,8 @@ def test_a_program_whose_visits_move_is_that_of_the_other_steps() -> None:
         both = [each.solve(spaces, successive.paths, 3.0, PENALTY) for each in (program, anew)]
         kept = [float(np.abs(u[0]).sum()) + PENALTY * missed for u, missed in both]
         assert kept[0] == pytest.approx(kept[1], rel=1e-9)
-        way = model.drift_position + model.position @ both[0][0][0].ravel()
-        assert np.all(np.abs(way[step] - [4.0, 3.0]) < 0.5 + 1e-7)
+        route = model.drift_position + model.position @ both[0][0][0].ravel()
+        assert np.all(np.abs(route[step] - [4.0, 3.0]) < 0.5 + 1e-7)
 
 
 def opened() -> tuple:

@@ -11,8 +11,8 @@ from visiting import scene, vehicle
 
 from radmpc import Obstacle, Scenario, Vehicle, Visit, certify
 from radmpc.model.visits import steps_visited
-from radmpc.planners.certified.turned.meeting import meeting_encounter, start_normals
 from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.pair_normals import pair_encounter, start_normals
 from radmpc.planners.certified.turned.paths import Paths, timed_by_visits
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.touring.crowding import crowding
@@ -33,11 +33,11 @@ WAY = np.array([[0.0, 0.0], [4.0, 3.0], [9.0, 0.0]])
 VISIT = Visit.at([4.0, 3.0], 0.5)
 
 
-def laid_out(scenario: Scenario, way: np.ndarray = WAY) -> tuple[Hazards, Tour]:
+def laid_out(scenario: Scenario, route: np.ndarray = WAY) -> tuple[Hazards, Tour]:
     hazards = Hazards.of(scenario, condensed_models(scenario))
     clear = Clear.of(hazards)
     assert clear is not None
-    found = tour(hazards, hazards.models[0], 0, way, (clear, 3.0))
+    found = tour(hazards, hazards.models[0], 0, route, (clear, 3.0))
     assert found is not None
     return hazards, found
 
@@ -80,7 +80,9 @@ def test_places_cost_something_near_others_and_only_when_these_count() -> None:
     apart = np.linalg.norm(found.laid_out.places - [4.0, 3.0], axis=1)
     touching = hazards.radii.sum()
     assert np.all(lack[5][:, apart < touching] > 0.0)
-    longest = found.laid_out.num_moves * np.linalg.norm(np.diff(found.laid_out.places[:2], axis=0))
+    longest = found.laid_out.num_displacements * np.linalg.norm(
+        np.diff(found.laid_out.places[:2], axis=0)
+    )
     assert not lack[5][:, apart > touching + 3.0 + longest].any()
 
 
@@ -130,7 +132,7 @@ def test_a_half_space_between_neighbors_keeps_the_clearance_where_they_start(ang
     hazards = Hazards.of(given, condensed_models(given))
     paths, distance = Paths(hazards), np.array([0.6])
     meeting = tuple(np.array([k]) for k in (1, 0, 0))
-    met = meeting_encounter(hazards, paths, meeting, distance)
+    met = pair_encounter(hazards, paths, meeting, distance)
     asked = np.array([[np.sin(angle), np.cos(angle)]])
     turned, is_kept = start_normals(met, asked, 3.0)
     assert is_kept.all()
@@ -229,7 +231,7 @@ def test_who_goes_back_does_what_it_did() -> None:
     touring = toured(vehicle("a", [0.0, 0.0], [9.0, 0.0], VISIT))
     successive = touring.successive
     assert successive.begin_alone()
-    known, before = successive.known(0), successive.paths.means[0].copy()
+    known, before = successive.solo_plan(0), successive.paths.means[0].copy()
     successive.make_visits(0, at_steps(condensed_models(scene(VISIT, horizon=10))[0], (7,)))
     successive.refer(0, np.zeros((11, 2)))
     assert successive.keep_clear(0, 3.0, (2, 30.0), np.ones((2, 10), dtype=bool)) < 1e-7

@@ -146,7 +146,7 @@ def test_who_neither_goes_out_of_the_way_nor_risks_anything_is_idle() -> None:
     assert not_idle(hazards, close, (0.3, 0.0), 10.0, 1e-3) == {0, 1}
     assert not_idle(hazards, straight, (0.0, 0.0), 10.0, 1e-3) == {0, 1}
     assert not_idle(hazards, far, (0.9, 0.0), 10.0, 1e-3) == frozenset()
-    # The detour costs more than the straight way would.
+    # The detour costs more than the straight route would.
     assert not_idle(hazards, far, (0.0, 0.0), 10.0, 1e-3) == {0}
     # Risk that costs nothing is nothing to gain by.
     assert not_idle(hazards, close, (0.3, 0.0), 0.0, 1e-3) == frozenset()

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from conditional_missions import Missions
 from gusty_missions import lags, remembers, rows_of, sources_of
-from noisy_missions import Known
+from noisy_missions import ObservedMissions
 from scipy.linalg import block_diag
 
 from radmpc.model.vehicle import Vehicle
@@ -36,23 +36,23 @@ class World:
 
 def begun_with(fleet: Sequence[Vehicle]) -> np.ndarray | None:
     """Return the covariance of deviations and all sources as a leg begins with it, if it does."""
-    if all(v.known is None for v in fleet):
+    if all(v.belief is None for v in fleet):
         return None
     sources = sources_of(fleet)
     covariance = block_diag(*(v.initial_covariance for v in fleet), *(own for _, _, own in sources))
     rows = wanted_rows(fleet)
     root = np.zeros((len(covariance), 0))
     for v, at in zip(fleet, rows, strict=True):
-        if v.known is None:
+        if v.belief is None:
             continue
         n = v.start.size
         mine = at[: 2 * n]
-        covariance[np.ix_(mine, mine)] = v.known.covariance
-        if v.known.common is not None:
+        covariance[np.ix_(mine, mine)] = v.belief.covariance
+        if v.belief.common is not None:
             if not root.shape[1]:
-                root = np.zeros((len(covariance), v.known.common.shape[1]))
+                root = np.zeros((len(covariance), v.belief.common.shape[1]))
             covariance[at[2 * n :]] = covariance[:, at[2 * n :]] = 0.0
-            root[at] = v.known.common
+            root[at] = v.belief.common
     return covariance + root @ root.T
 
 
@@ -158,10 +158,10 @@ class Filter:
         self.vehicle, self.n = vehicle, n
         self.F = np.block([[vehicle.system.A, effects], [none, np.diag(rho)]])
         self.P = block_diag(vehicle.initial_covariance, source)
-        self.is_told = vehicle.known is None
-        if vehicle.known is not None:
-            self.P = vehicle.known.common @ vehicle.known.common.T
-            self.P[: 2 * n, : 2 * n] += vehicle.known.covariance
+        self.is_told = vehicle.belief is None
+        if vehicle.belief is not None:
+            self.P = vehicle.belief.common @ vehicle.belief.common.T
+            self.P[: 2 * n, : 2 * n] += vehicle.belief.covariance
         self.Q = block_diag(new, source * (1.0 - np.outer(rho, rho)))
 
     def gain(self) -> np.ndarray:
@@ -176,7 +176,7 @@ class Filter:
         return L
 
 
-def flown_estimating(witnesses: Witnesses, count: int, seed: int) -> Known:
+def flown_estimating(witnesses: Witnesses, count: int, seed: int) -> ObservedMissions:
     """Return missions in which feedback acts on each one's own estimate."""
     rng = np.random.default_rng(seed)
     fleet, horizon = witnesses.plan.scenario.vehicles, witnesses.plan.scenario.horizon
@@ -208,7 +208,7 @@ def flown_estimating(witnesses: Witnesses, count: int, seed: int) -> Known:
         states.append(np.array(path))
         acted.append(np.array(hats))
     by_vehicle = [known[i * (horizon + 1) : (i + 1) * (horizon + 1)] for i in range(len(fleet))]
-    return Known(Missions(states, [], {}, acted), by_vehicle)  # type: ignore[arg-type] # lists will do
+    return ObservedMissions(Missions(states, [], {}, acted), by_vehicle)  # type: ignore[arg-type] # lists will do
 
 
 def _steered(

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 from conditional_missions import Missions
-from noisy_missions import Known
+from noisy_missions import ObservedMissions
 from physical_scenes import DI, craft, pd, still, wall
 
 from radmpc.model.noise.shared import SharedDisturbance
@@ -193,7 +193,9 @@ def remembers(vehicle: Vehicle) -> bool:
     return vehicle.disturbance_correlation > 0.0 or lasting_shared
 
 
-def flown_gustily(witnesses: Witnesses, count: int, seed: int, *, alone: bool = False) -> Known:
+def flown_gustily(
+    witnesses: Witnesses, count: int, seed: int, *, alone: bool = False
+) -> ObservedMissions:
     """Return missions in which feedback gets what it asks for.
 
     Where vehicles are `alone` each knows what its own measurements tell, and no more.
@@ -223,7 +225,7 @@ def flown_gustily(witnesses: Witnesses, count: int, seed: int, *, alone: bool = 
             rest = told[i] if remembers(v) else told[i][:, :0]
             known[i].append(np.hstack([place, rest]))
     paths = [np.array(path) for path in states]
-    return Known(Missions(paths, []), known)  # type: ignore[arg-type] # a list of arrays will do
+    return ObservedMissions(Missions(paths, []), known)  # type: ignore[arg-type] # a list of arrays will do
 
 
 def drawn(fleet: Sequence[Vehicle], horizon: int, count: int, rng) -> np.ndarray:

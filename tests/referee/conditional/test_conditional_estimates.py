@@ -76,7 +76,7 @@ def test_an_observer_makes_of_what_is_told_what_brute_force_conditioning_says(sc
     for step in range(5):
         due = [known[step][1] for known in flown.known]
         told = [each[: v.start.size] for v, each in zip(scenario.vehicles, due, strict=True)]
-        known = observer.known(step, expected, told)
+        known = observer.observed(step, expected, told)
         for one, other in zip(known, due, strict=True):
             np.testing.assert_allclose(one, other, atol=1e-8)
         if step < 4:

@@ -14,7 +14,7 @@ from gusty_missions import (
     rows_of,
     seen_by_another,
 )
-from noisy_missions import Known, check_charges
+from noisy_missions import ObservedMissions, check_charges
 
 from radmpc.flying.knowing import expected_start, known_after, moved
 from radmpc.flying.sensing.observing import Observer
@@ -64,7 +64,7 @@ def test_what_is_expected_to_last_is_what_brute_force_conditioning_says(scene):
     ends = np.cumsum([0, *(v.start.size for v in fleet)])
     added: list[np.ndarray] = []
     for step in STEPS:
-        known = observer.known(step, expected, states)
+        known = observer.observed(step, expected, states)
         due = known_of(fleet, np.array(added).reshape(step, 1, ends[-1]))
         for v, each, state, rest in zip(fleet, known, states, due, strict=True):
             np.testing.assert_array_equal(each[:4], state)
@@ -103,7 +103,7 @@ def test_rows_fail_as_often_as_they_are_charged_for_given_what_all_know(scene, k
     check_charges(witnesses, flown_gustily(witnesses, FEW, seed=7), (1, 3))
 
 
-def as_another_sees(flown: Known) -> list[np.ndarray]:
+def as_another_sees(flown: ObservedMissions) -> list[np.ndarray]:
     """Return what is known of the wind's strength along x at every step."""
     return [known[:, 8] for known in flown.known[1]]
 

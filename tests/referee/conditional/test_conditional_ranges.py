@@ -10,7 +10,7 @@ import pytest
 from conditional_missions import MISSIONS, Missions, check_martingale, crowded, flown, row_failures
 from estimating_missions import flown_estimating
 from gusty_missions import flown_gustily, wind
-from noisy_missions import SENSOR, Known, check_charges, flown_noisily
+from noisy_missions import SENSOR, ObservedMissions, check_charges, flown_noisily
 from physical_scenes import craft, pd, still
 from scipy.stats import norm
 
@@ -240,7 +240,7 @@ def test_ranges_lost_and_what_is_left_never_grow_on_average(name, kind):
 )
 def test_ranges_are_lost_as_often_as_is_charged_given_what_is_known(name, fly, kind):
     witnesses = scene(name, kind)
-    known: Known = fly(witnesses, 3_000, seed=5)
+    known: ObservedMissions = fly(witnesses, 3_000, seed=5)
     check_charges(witnesses, known, (0, 2, 3))
 
 

@@ -84,7 +84,7 @@ export const reasons = computed<readonly Remark[]>(() => {
 export const tried = computed<readonly string[]>(() => {
   const sentences: string[] = [];
   const last = search.value;
-  if (last?.told != null && (last.state === "failed" || (last.state === "ended" && last.found === 0))) sentences.push(last.told);
+  if (last?.note != null && (last.state === "failed" || (last.state === "ended" && last.found === 0))) sentences.push(last.note);
   const summary = shown.value?.summary;
   if (summary?.holds === false && summary.explanation !== null) sentences.push(summary.explanation);
   return [...new Set(sentences)];

@@ -138,7 +138,7 @@ function Course(props: FlightProps & { flight: FlightState }) {
             </label>
           )}
         </div>
-        {flight.told !== null && <p class="p-note">{flight.told}</p>}
+        {flight.note !== null && <p class="p-note">{flight.note}</p>}
         <Speaker text={spoken(flight)} urgent={!isRunning} />
       </Block>
       {tick !== null && <Moment tick={tick} steps={flight.steps} {...props} />}
@@ -152,7 +152,7 @@ function Course(props: FlightProps & { flight: FlightState }) {
 function spoken(flight: FlightState): string {
   const planned = counted(replans(flight).length, "new plan");
   const alarms = counted(alarmed(flight).length, "alarm");
-  const ended = flight.state === "running" ? "" : ` ${flight.told ?? ""}`;
+  const ended = flight.state === "running" ? "" : ` ${flight.note ?? ""}`;
   return `Flight ${flight.state}: ${planned}, ${alarms}.${ended}`;
 }
 

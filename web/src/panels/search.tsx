@@ -76,9 +76,9 @@ export function sentence(search: SearchState): string {
     case "paused":
       return `Paused: ${found}`;
     case "ended":
-      return `Ended: ${search.told ?? found}`;
+      return `Ended: ${search.note ?? found}`;
     case "failed":
-      return `Failed: ${search.told ?? "no reason was told"}`;
+      return `Failed: ${search.note ?? "no reason was told"}`;
   }
 }
 
@@ -99,7 +99,7 @@ function Progress(props: { search: SearchState; moments: readonly Moment[] }) {
       )}
       <p class={`p-stage p-${search.state}`}>
         <strong>{STATES[search.state]}</strong>
-        {isActive ? search.stage : (search.told ?? search.stage)}
+        {isActive ? search.stage : (search.note ?? search.stage)}
       </p>
       <Facts
         rows={[

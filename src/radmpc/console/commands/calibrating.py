@@ -104,14 +104,14 @@ def run_calibrate(request: CalibrateRequest) -> int:
     _check(request)
     plan, making = read_plan(request.plan_file), _making(request)
     day = datetime.now(tz=UTC).strftime("%Y-%m-%d")
-    with progress_line(is_wanted=not request.as_json) as line:
+    with progress_line(is_shown=not request.as_json) as line:
         found = calibrate(
             plan,
             making,
             missions=request.missions,
             seed=request.seed,
             day=day,
-            told=lambda done: line("flying", done, request.missions),
+            progress=lambda done: line("flying", done, request.missions),
         )
     before = _Flown(plan.scenario.risk_bound, certify(plan).certified, found.rate)
     with writing(request.output):
@@ -163,7 +163,7 @@ def _planned(request: CalibrateRequest, found: Calibration, making: Making) -> _
     plan: Plan = result.require()
     with writing(request.plan_output):
         save_plan(plan, request.plan_output)
-    with progress_line(is_wanted=not request.as_json) as line:
+    with progress_line(is_shown=not request.as_json) as line:
         missions = flown(
             plan,
             making,

@@ -131,7 +131,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
         workers(request.jobs, request.dask) as executor,
         stage_notes(request.is_verbose),
         progress_line(
-            is_wanted=not request.is_verbose,
+            is_shown=not request.is_verbose,
             is_planning=True,
             seconds=seconds_allowed(planner, request.time_limit),
         ) as progress,

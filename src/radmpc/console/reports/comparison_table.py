@@ -18,12 +18,12 @@ _NONE = "–"
 _NAMES = ("cost", "above least", "certificate", "collide (95 %)", "sets", "largest", "seconds")
 
 
-def comparison_table(found: Sequence[Comparison], width: int) -> Table:
+def comparison_table(comparisons: Sequence[Comparison], width: int) -> Table:
     """Return status, cost, certificate, simulation, sets and seconds of every planner.
 
     Parameters
     ----------
-    found : sequence of Comparison
+    comparisons : sequence of Comparison
         What each planner made.
     width : int
         Letters of a line. Where a line per planner does not fit, nothing is cut off: each gets
@@ -34,32 +34,32 @@ def comparison_table(found: Sequence[Comparison], width: int) -> Table:
     Table
         What is not within the bound is red.
     """
-    costs = [one.result.cost for one in found if one.is_within and one.result is not None]
+    costs = [one.result.cost for one in comparisons if one.is_within and one.result is not None]
     least = min((cost for cost in costs if cost is not None), default=None)
-    rows = [_cells(one, least) for one in found]
-    table = _wide(found, rows)
+    rows = [_cells(one, least) for one in comparisons]
+    table = _wide(comparisons, rows)
     console = Console(width=10 * width)
     needed = Measurement.get(console, console.options, table).maximum
-    return table if needed <= width else _narrow(found, rows)
+    return table if needed <= width else _narrow(comparisons, rows)
 
 
-def _wide(found: Sequence[Comparison], rows: Sequence[Sequence[Text | str]]) -> Table:
+def _wide(comparisons: Sequence[Comparison], rows: Sequence[Sequence[Text | str]]) -> Table:
     """Return a line per planner."""
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     table.add_column("planner", no_wrap=True)
     table.add_column("status", no_wrap=True)
     for name in _NAMES:
         table.add_column(name, no_wrap=True, justify="right")
-    for one, cells in zip(found, rows, strict=True):
+    for one, cells in zip(comparisons, rows, strict=True):
         table.add_row(one.planner, *cells)
     return table
 
 
-def _narrow(found: Sequence[Comparison], rows: Sequence[Sequence[Text | str]]) -> Table:
+def _narrow(comparisons: Sequence[Comparison], rows: Sequence[Sequence[Text | str]]) -> Table:
     """Return a paragraph per planner: its name, and all there is to tell with what it is."""
     table = Table.grid(padding=(0, 0))
     table.add_column(overflow="fold")
-    for one, (status, *cells) in zip(found, rows, strict=True):
+    for one, (status, *cells) in zip(comparisons, rows, strict=True):
         told = [
             Text.assemble(f"{name} ", cell)
             for name, cell in zip(_NAMES, cells, strict=False)

@@ -36,12 +36,12 @@ _KNOWN = {
 Row = tuple[str, str, str, str]
 
 
-def noise_report(found: Identification) -> list[Table | Text]:
+def noise_report(identified: Identification) -> list[Table | Text]:
     """Return what was identified as parts to show.
 
     Parameters
     ----------
-    found : Identification
+    identified : Identification
         What logs tell.
 
     Returns
@@ -49,39 +49,45 @@ def noise_report(found: Identification) -> list[Table | Text]:
     list of Table or Text
         From top to bottom.
     """
-    parts: list[Table | Text] = [Text(_title(found), style="bold"), facts(_facts(found)), Text()]
-    groups = found.groups[:_MOST_GROUPS]
+    parts: list[Table | Text] = [
+        Text(_title(identified), style="bold"),
+        facts(_facts(identified)),
+        Text(),
+    ]
+    groups = identified.groups[:_MOST_GROUPS]
     for one in groups:
-        parts += [_table(one, found), Text()]
-    if len(found.groups) > len(groups):
-        parts.append(Text(f"and {count_text(len(found.groups) - len(groups), 'more vehicle')}"))
-    parts += [Text(f"not told: {sentence}") for sentence in found.unknown]
-    parts += [Text(f"warning: {warning}", style="yellow") for warning in found.warnings]
+        parts += [_table(one, identified), Text()]
+    if len(identified.groups) > len(groups):
+        parts.append(
+            Text(f"and {count_text(len(identified.groups) - len(groups), 'more vehicle')}")
+        )
+    parts += [Text(f"not told: {sentence}") for sentence in identified.unknown]
+    parts += [Text(f"warning: {warning}", style="yellow") for warning in identified.warnings]
     return parts
 
 
-def _title(found: Identification) -> str:
+def _title(identified: Identification) -> str:
     """Return from what it was identified, in one line."""
-    kind = "double" if found.model.has_velocity else "single"
-    names = ", ".join(found.sources[:3]) + (", …" if len(found.sources) > 3 else "")
+    kind = "double" if identified.model.has_velocity else "single"
+    names = ", ".join(identified.sources[:3]) + (", …" if len(identified.sources) > 3 else "")
     return (
-        f"{names}: {count_text(len(found.pooled.vehicles), 'vehicle')}, "
-        f"{count_text(found.pooled.num_steps, 'step')} of {found.model.dt:g} s, "
-        f"{kind} integrator in {found.model.dimension}-D"
+        f"{names}: {count_text(len(identified.pooled.vehicles), 'vehicle')}, "
+        f"{count_text(identified.pooled.num_steps, 'step')} of {identified.model.dt:g} s, "
+        f"{kind} integrator in {identified.model.dimension}-D"
     )
 
 
-def _facts(found: Identification) -> dict[str, Text | str]:
+def _facts(identified: Identification) -> dict[str, Text | str]:
     """Return what is said in words."""
-    pooled = found.pooled
-    rows: dict[str, Text | str] = {"model": _KNOWN[found.evidence]}
-    if found.start is not None:
-        rows["recorded"] = recorded(found.start)
+    pooled = identified.pooled
+    rows: dict[str, Text | str] = {"model": _KNOWN[identified.evidence]}
+    if identified.start is not None:
+        rows["recorded"] = recorded(identified.start)
     rows["worth"] = f"about {pooled.worth:.0f} independent steps"
-    if len(found.each) > 1:
+    if len(identified.each) > 1:
         rows["vehicles"] = (
             "differ beyond chance: each has its own numbers"
-            if found.differ
+            if identified.differ
             else "do not differ beyond chance: one set of numbers"
         )
     if pooled.tails is not None:
@@ -90,7 +96,7 @@ def _facts(found: Identification) -> dict[str, Text | str]:
     misfit = misfit_of_color(pooled)
     if misfit is not None:
         rows["memory"] = Text(misfit, style="yellow")
-    shared = found.shared
+    shared = identified.shared
     if shared is not None:
         rows["shared"] = _share_sentence(float(shared.share.value), shared.share, shared.is_sure)
     return rows
@@ -128,28 +134,28 @@ def tails_sentence(kind: Tails) -> str:
     )
 
 
-def _table(one: Estimate, found: Identification) -> Table:
+def _table(one: Estimate, identified: Identification) -> Table:
     """Return numbers with their intervals."""
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    table.add_column(one.vehicles[0] if found.differ else "per step", no_wrap=True)
+    table.add_column(one.vehicles[0] if identified.differ else "per step", no_wrap=True)
     table.add_column("value", justify="right", no_wrap=True)
     table.add_column("95 % interval", justify="right", no_wrap=True)
     table.add_column("unit", no_wrap=True)
-    for row in _rows(one, found):
+    for row in _rows(one, identified):
         table.add_row(*row)
     return table
 
 
-def _rows(one: Estimate, found: Identification) -> Iterator[Row]:
+def _rows(one: Estimate, identified: Identification) -> Iterator[Row]:
     """Return a table's rows."""
-    model, d = found.model, found.model.dimension
+    model, d = identified.model, identified.model.dimension
     names = [*"xyz"[:d], *(f"v{axis}" for axis in "xyz"[:d])][: model.num_states]
     units = ["m"] * d + ["m/s"] * d
-    upper = " at most" if found.evidence == "states" else ""
+    upper = " at most" if identified.evidence == "states" else ""
     for i, name in enumerate(names):
         yield _root(f"disturbance of {name}, std. dev.{upper}", one.covariance, i, units[i])
     yield from _correlations(one.covariance, names)
-    if model.has_velocity or found.evidence != "states":
+    if model.has_velocity or identified.evidence != "states":
         for i in range(d):
             current = _scaled(one.drift, i, 1.0 / model.dt)
             yield _row(f"drift of {names[i]}", *current, "m/s")
@@ -220,25 +226,25 @@ def _row(name: str, value: float, low: float, high: float, unit: str) -> Row:
     return name, f"{value:.3g}", f"{low:.3g} to {high:.3g}", unit
 
 
-def identification_json(found: Identification) -> dict[str, object]:
+def identification_json(identified: Identification) -> dict[str, object]:
     """Return what was identified as plain values.
 
     Parameters
     ----------
-    found : Identification
+    identified : Identification
         What logs tell.
     """
-    block = noise_block(found)
-    shared = found.shared
+    block = noise_block(identified)
+    shared = identified.shared
     return {
-        "logs": list(found.sources),
-        "recorded": None if found.start is None else recorded(found.start),
-        "dt": found.model.dt,
-        "dimension": found.model.dimension,
-        "model": "double_integrator" if found.model.has_velocity else "single_integrator",
-        "evidence": found.evidence,
-        "differ": found.differ,
-        "groups": [_group_json(one) for one in found.groups],
+        "logs": list(identified.sources),
+        "recorded": None if identified.start is None else recorded(identified.start),
+        "dt": identified.model.dt,
+        "dimension": identified.model.dimension,
+        "model": "double_integrator" if identified.model.has_velocity else "single_integrator",
+        "evidence": identified.evidence,
+        "differ": identified.differ,
+        "groups": [_group_json(one) for one in identified.groups],
         "shared": None
         if shared is None
         else {
@@ -249,8 +255,8 @@ def identification_json(found: Identification) -> dict[str, object]:
         },
         "block": dict(block.content),
         "pending": dict(block.pending),
-        "unknown": list(found.unknown),
-        "warnings": list(found.warnings),
+        "unknown": list(identified.unknown),
+        "warnings": list(identified.warnings),
     }
 
 

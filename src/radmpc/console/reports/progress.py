@@ -96,7 +96,7 @@ class ProgressLine:
 def progress_line(
     console: Console | None = None,
     *,
-    is_wanted: bool = True,
+    is_shown: bool = True,
     is_planning: bool = False,
     seconds: float | None = None,
     keeps: str = "",
@@ -108,7 +108,7 @@ def progress_line(
     ----------
     console : Console or None
         Where to show it; None is stderr.
-    is_wanted : bool
+    is_shown : bool
         Whether it is to be shown at all.
     is_planning, seconds, keeps : bool, float or None, and str
         As in `ProgressLine`.
@@ -121,7 +121,7 @@ def progress_line(
         Call it with the stage, the parts done and their number or None.
     """
     target = Console(stderr=True) if console is None else console
-    if not (is_wanted and target.is_terminal):
+    if not (is_shown and target.is_terminal):
         # Nobody presses keys in a pipe.
         yield ProgressLine(is_planning=is_planning, seconds=seconds, tell=tell)
         return

@@ -12,15 +12,15 @@ __all__ = ["stage_notes"]
 
 
 @contextmanager
-def stage_notes(is_wanted: bool) -> Iterator[None]:
+def stage_notes(is_shown: bool) -> Iterator[None]:
     """Show the package's log while the context lasts, a line per stage with the time since.
 
     Parameters
     ----------
-    is_wanted : bool
+    is_shown : bool
         Whether anything is shown.
     """
-    if not is_wanted:
+    if not is_shown:
         yield
         return
     logger = logging.getLogger("radmpc")

@@ -157,7 +157,7 @@ def _coarsened(scenario: Scenario, stride: int, grown_by: tuple[int, float]) -> 
                 disturbance_covariance=0.0 * v.disturbance_covariance,
                 disturbance_correlation=0.0,
                 measurement=None,
-                known=None,
+                belief=None,
                 shared=(),
                 drift=None if v.drift is None else _summed(v.system.A, stride) @ v.drift,
             )

@@ -29,7 +29,7 @@ class Handover:
 
     Attributes
     ----------
-    known : tuple of array
+    estimates : tuple of array
         What is known of vehicles: see `radmpc.flying.knowing`.
     alarms : tuple of str
         Of the measurement that it is known by.
@@ -45,7 +45,7 @@ class Handover:
         Of each vehicle, whether it is at a goal that it was to reach within a window of steps.
     """
 
-    known: tuple[Vector, ...]
+    estimates: tuple[Vector, ...]
     alarms: tuple[str, ...]
     evidence: Evidence
     squares: tuple[tuple[float, int, Scale], ...]
@@ -86,7 +86,7 @@ class Window(Mission):
             evidence = replace(before.evidence, scenario=ahead, began=-began)
             self._leg = replace(self._leg, scale=evidence.scale)
             self._sources.renew(self._leg, self._clock)
-            self._known = self._expected = renewed(plan.scenario.vehicles, before.known)
+            self._known = self._expected = renewed(plan.scenario.vehicles, before.estimates)
         self._sensing = Sensing(watcher, Observer.of(ahead, -began), evidence)
         if before is not None:
             self._sensing.seen = 0, self._expected, before.alarms
@@ -134,4 +134,4 @@ def scene_of(
         known = tuple(expected_start(vehicle) for vehicle in ahead.vehicles)
         return changed(ahead, risk_bound=risk_bound), known, Scale(ahead.covariance_samples)
     scale = before.evidence.scale
-    return left_of(ahead, step, before.known, risk_bound, scale), before.known, scale
+    return left_of(ahead, step, before.estimates, risk_bound, scale), before.estimates, scale

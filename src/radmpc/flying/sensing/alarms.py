@@ -54,7 +54,7 @@ class Watcher:
         step: int,
         expected: Sequence[Vector],
         measured: Sequence[Vector],
-        told: Sequence[Matrix | None],
+        corrections: Sequence[Matrix | None],
         scale: Scale,
         together: tuple[Matrix, Vector] | None = None,
     ) -> list[str]:
@@ -66,7 +66,7 @@ class Watcher:
             Of the mission; at 0 the initial covariance counts.
         expected, measured : sequence of (n,) array
             States of all vehicles, or estimates; more of what was expected is not looked at.
-        told : sequence of (n, n) array or None
+        corrections : sequence of (n, n) array or None
             Covariance by which each was to move; None is that of the noise of a step.
         scale : Scale
             What was known before of the factor of covariances.
@@ -78,7 +78,9 @@ class Watcher:
         larger, far = float(np.sqrt(scale.factor)), Tail(scale.samples).beyond(_FAR)
         total, components = 0.0, 0
         vehicles = self.scenario.vehicles
-        for vehicle, longer, found, noise in zip(vehicles, expected, measured, told, strict=True):
+        for vehicle, longer, found, noise in zip(
+            vehicles, expected, measured, corrections, strict=True
+        ):
             hoped = longer[: found.size]
             axes = _directions(noise) if noise is not None else self._axes(vehicle, step)
             scores, rest = _scores(axes, found - hoped)

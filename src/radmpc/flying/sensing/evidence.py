@@ -62,7 +62,7 @@ class Evidence:
         step: int,
         expected: Sequence[Vector],
         states: Sequence[Vector],
-        told: Sequence[Matrix | None],
+        corrections: Sequence[Matrix | None],
         together: tuple[Matrix, Vector] | None = None,
     ) -> Evidence:
         """Return what is known after a measurement.
@@ -75,7 +75,7 @@ class Evidence:
             What was expected to be known.
         states : sequence of (n,) array
             Measured states, or estimates.
-        told : sequence of (n, n) array or None
+        corrections : sequence of (n, n) array or None
             By how much estimates were to move; None where states are told.
         together : tuple of (p, p) and (p,) array, or None
             What was told of all who tell of each other about what was expected, its covariance
@@ -93,7 +93,9 @@ class Evidence:
             if together is not None and chosen[0].shared:
                 covariance, apart = together
             else:
-                covariance = _covariance(chosen, [told[i] for i in members], self.measured, at)
+                covariance = _covariance(
+                    chosen, [corrections[i] for i in members], self.measured, at
+                )
                 apart = np.concatenate([deviations[i] for i in members])
             squares, components = squares_of(covariance, apart[None])
             scale = scale.learned(float(squares[0]), components)
@@ -165,18 +167,18 @@ class Evidence:
 
 
 def _covariance(
-    vehicles: Sequence[Vehicle], told: Sequence[Matrix | None], last: int | None, at: int
+    vehicles: Sequence[Vehicle], corrections: Sequence[Matrix | None], last: int | None, at: int
 ) -> Matrix:
     """Return by how much the states of some vehicles were to differ from what was expected."""
     sizes = [vehicle.start.size for vehicle in vehicles]
     ends = np.cumsum([0, *sizes])
     own, onward, first = np.zeros((3, ends[-1], ends[-1]))
     for i, vehicle in enumerate(vehicles):
-        block, by_filter = slice(ends[i], ends[i + 1]), told[i]
+        block, by_filter = slice(ends[i], ends[i + 1]), corrections[i]
         onward[block, block] = vehicle.system.A
         first[block, block] = vehicle.initial_covariance
         own[block, block] = vehicle.disturbance_covariance if by_filter is None else by_filter
-    if any(each is not None for each in told):
+    if any(each is not None for each in corrections):
         return np.asarray(own)
     for part in {part.name: part for vehicle in vehicles for part in vehicle.shared}.values():
         acts = np.zeros((ends[-1], part.size))

@@ -125,9 +125,9 @@ class Sensing:
             self._check_same(states)
             return self.seen[1], list(self.seen[2])
         acting = None if leg is None else (leg.began, leg.plan.scenario)
-        known = self.observer.known(step, expected, states, acting)
-        seen = step, expected, states, self.observer.told(step)
-        together = self.observer.told_together(*seen[:3])
+        known = self.observer.observed(step, expected, states, acting)
+        seen = step, expected, states, self.observer.corrections(step)
+        together = self.observer.joint_innovation(*seen[:3])
         alarms = []
         if is_certain:
             shaken = together or self.evidence.shaken(*seen[:3])

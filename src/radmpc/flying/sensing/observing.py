@@ -59,7 +59,7 @@ class Observer:
         )
         return cls(began, scenario, tuple(own), fleet)
 
-    def known(
+    def observed(
         self,
         step: int,
         expected: Sequence[Vector],
@@ -133,7 +133,7 @@ class Observer:
             found.append(moved)
         return found
 
-    def told(self, step: int) -> tuple[Matrix | None, ...]:
+    def corrections(self, step: int) -> tuple[Matrix | None, ...]:
         """Return by how much estimates move at a step, (n, n) each; None where states are told.
 
         Parameters
@@ -142,13 +142,13 @@ class Observer:
             Of the mission.
         """
         at = step - self.began
-        found = [None if one is None else one.told[at] for one in self.learning]
+        found = [None if one is None else one.corrections[at] for one in self.learning]
         if self.fleet is not None:
             for i, each in zip(self.fleet.members, self.fleet.known_parts_of(at), strict=True):
                 found[i] = each if found[i] is None else found[i]
         return tuple(found)
 
-    def told_together(
+    def joint_innovation(
         self, step: int, expected: Sequence[Vector], states: Sequence[Vector]
     ) -> tuple[Matrix, Vector] | None:
         """Return the joint innovation of vehicles that inform each other, and its covariance.
@@ -166,4 +166,4 @@ class Observer:
         if self.fleet is None:
             return None
         moved = np.concatenate(self._moved(step, expected, states))
-        return self.fleet.told[step - self.began], moved
+        return self.fleet.innovations[step - self.began], moved

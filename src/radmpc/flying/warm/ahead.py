@@ -15,7 +15,7 @@ from radmpc.flying.remainder import changed
 from radmpc.gaussian import Tail
 from radmpc.geometry import inner_faces
 from radmpc.model.goal import Goal
-from radmpc.model.noise.known import Known
+from radmpc.model.noise.belief import Belief
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.program.build import condensed_models, prediction_matrices
@@ -141,7 +141,7 @@ def _scaled_model(model: CondensedModel, times: float) -> CondensedModel:
     )
 
 
-def _begun(vehicle: Vehicle, known: Known | None) -> Vehicle:
+def _begun(vehicle: Vehicle, known: Belief | None) -> Vehicle:
     """Return a vehicle of which all is known that is under way.
 
     A filter knows about as much at every step as at the last one.
@@ -149,7 +149,7 @@ def _begun(vehicle: Vehicle, known: Known | None) -> Vehicle:
     if known is None:
         return replace(vehicle, initial_covariance=0.0 * vehicle.initial_covariance)
     n = vehicle.start.size
-    return replace(vehicle, initial_covariance=known.covariance[:n, :n], known=known)
+    return replace(vehicle, initial_covariance=known.covariance[:n, :n], belief=known)
 
 
 def _cut(

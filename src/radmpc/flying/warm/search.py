@@ -199,7 +199,7 @@ class WarmSearch:
             if not self._turn(successive, asked, price):
                 return False
             expected = self._ratio * self._risk
-            aimed = price * float(np.clip(expected / (TUNING.aim * grant), *TUNING.moves))
+            aimed = price * float(np.clip(expected / (TUNING.aim * grant), *TUNING.price_steps))
             kept.price = price = float(np.clip(aimed, least, most))
             kept.is_out_of_reach = expected > grant and price > TUNING.out_of_reach * most
             # Who gives way to risk that there is none of gives way too much.

@@ -25,7 +25,7 @@ class Tuning:
         Clearance below which vehicles share a program [standard deviations].
     aim : float
         Share of the grant that a candidate is to cost [-].
-    moves : tuple of float
+    price_steps : tuple of float
         Least and largest factor on the price from one round to the next [-].
     out_of_reach : float
         Share of the highest price above which goals count as out of reach of the grant [-].
@@ -55,7 +55,7 @@ class Tuning:
     spacing: float = 0.05
     near: float = 6.5
     aim: float = 0.9
-    moves: tuple[float, float] = (0.15, 8.0)
+    price_steps: tuple[float, float] = (0.15, 8.0)
     out_of_reach: float = 0.5
     wasted: float = 0.5
     damping: float = 0.8

@@ -43,14 +43,14 @@ class Area:
         What of the workspace lies outside the area, and the area's holes.
     polygon : shapely.Polygon or None
         As drawn [m].
-    told : str
+    note : str
         What became of it, in words.
     """
 
     workspace: Workspace | None = None
     outside: tuple[Obstacle, ...] = ()
     polygon: shapely.Polygon | None = None
-    told: str = "none drawn"
+    note: str = "none drawn"
 
     def holds(self, point: Vector) -> bool:
         """Whether a point [m] lies in the area."""
@@ -93,14 +93,14 @@ def area_of(features: Sequence[Feature], outlines: Callable[[Feature], tuple[Mat
         obstacles = tuple(Obstacle.polygon(name, piece) for name, piece in named)
     except ScenarioError as error:
         raise ScenarioError(error.message, features[0].shape_path) from error
-    told = "a rectangle: the workspace of the vehicles' centers"
+    note = "a rectangle: the workspace of the vehicles' centers"
     if not is_rectangle:
         rest = count_text(len(outside), "obstacle")
-        told = f"its bounding box is the workspace, the rest of that {rest}"
+        note = f"its bounding box is the workspace, the rest of that {rest}"
     if holes:
         is_one = len(holes) == 1
-        told += "; its hole is an obstacle" if is_one else f"; its {len(holes)} holes are obstacles"
-    return Area(Workspace(low, high), obstacles, polygon, told)
+        note += "; its hole is an obstacle" if is_one else f"; its {len(holes)} holes are obstacles"
+    return Area(Workspace(low, high), obstacles, polygon, note)
 
 
 def _box(outer: Matrix) -> tuple[Vector, Vector, bool]:

@@ -95,7 +95,7 @@ def read_charts(documents: Sequence[Document], layer: Sequence[str] = ()) -> For
         name=_stem(documents[0]),
         format=" + ".join(dict.fromkeys(kind.name for kind in kinds)),
         file=", ".join(FilePath(document.name).name for document in documents),
-        reasons=(*told, *layers.told(), *problem.reasons),
+        reasons=(*told, *layers.notes(), *problem.reasons),
     )
 
 

@@ -22,7 +22,7 @@ class Layers:
 
     Attributes
     ----------
-    wanted : mapping
+    requested : mapping
         The role that each gives its features, None where none was asked for; empty takes all.
     met : dict
         Every layer that was met, in the order of the files.
@@ -30,7 +30,7 @@ class Layers:
         Features in none of the layers that are wanted.
     """
 
-    wanted: dict[str, str | None]
+    requested: dict[str, str | None]
     met: dict[str, None] = field(default_factory=dict)
     left_out: int = 0
 
@@ -59,7 +59,7 @@ class Layers:
             The layers that it lies in, the innermost last.
         """
         self.met.update(dict.fromkeys(names))
-        if not self.wanted or any(name in self.wanted for name in names):
+        if not self.requested or any(name in self.requested for name in names):
             return True
         self.left_out += 1
         return False
@@ -72,7 +72,7 @@ class Layers:
         names : sequence of str
             The layers that a feature lies in, the innermost last.
         """
-        roles = (self.wanted.get(name) for name in reversed(names))
+        roles = (self.requested.get(name) for name in reversed(names))
         return next((role for role in roles if role is not None), None)
 
     def check(self) -> None:
@@ -83,7 +83,7 @@ class Layers:
         ScenarioError
             With the layers that there are.
         """
-        for name in self.wanted:
+        for name in self.requested:
             if name not in self.met:
                 known = [shown(one) for one in self.met]
                 more = f" or {len(known) - _MOST_NAMED} more" if len(known) > _MOST_NAMED else ""
@@ -92,11 +92,11 @@ class Layers:
                     ("layer",),
                 )
 
-    def told(self) -> tuple[tuple[str, str], ...]:
+    def notes(self) -> tuple[tuple[str, str], ...]:
         """Return which are taken, in words; nothing if all are."""
-        if not self.wanted:
+        if not self.requested:
             return ()
-        names = [name + (f" as {role}" if role else "") for name, role in self.wanted.items()]
+        names = [name + (f" as {role}" if role else "") for name, role in self.requested.items()]
         counted = count_text(self.left_out, "feature")
         rest = f"; left out: {counted} of others" if self.left_out else ""
         return (("layers", f"{', '.join(names)}, as asked{rest}"),)

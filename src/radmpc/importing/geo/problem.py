@@ -85,7 +85,7 @@ def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
                 [both.start.settings() | both.goal.settings() for both in ends.values()],
                 origin,
                 "origin" in by_role,
-                area.told,
+                area.note,
             ),
             *describe_visits(by_role.get("via", [])),
             *describe_relations(obstacles, keep),

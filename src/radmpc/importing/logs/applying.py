@@ -31,12 +31,12 @@ _EVIDENCE = {
 }
 
 
-def provenance(found: Identification, day: str) -> dict[str, object]:
+def provenance(identified: Identification, day: str) -> dict[str, object]:
     """Return from what and when noise was identified, as plain values for ``source``.
 
     Parameters
     ----------
-    found : Identification
+    identified : Identification
         What logs tell.
     day : str
         When that was found out.
@@ -44,14 +44,14 @@ def provenance(found: Identification, day: str) -> dict[str, object]:
     content: dict[str, object] = {
         "by": f"radmpc {__version__} identify",
         "on": day,
-        "logs": list(found.sources),
-        "steps": found.pooled.num_steps,
-        "dt": found.model.dt,
-        "from": _EVIDENCE[found.evidence],
-        "independent_steps": round(found.pooled.worth),
+        "logs": list(identified.sources),
+        "steps": identified.pooled.num_steps,
+        "dt": identified.model.dt,
+        "from": _EVIDENCE[identified.evidence],
+        "independent_steps": round(identified.pooled.worth),
     }
-    if found.start is not None:
-        content["recorded"] = recorded(found.start)
+    if identified.start is not None:
+        content["recorded"] = recorded(identified.start)
     return content
 
 
@@ -66,12 +66,12 @@ def recorded(start: float) -> str:
     return datetime.fromtimestamp(start, tz=UTC).strftime("%Y-%m-%d %H:%M UTC")
 
 
-def noise_text(found: Identification, day: str) -> str:
+def noise_text(identified: Identification, day: str) -> str:
     """Return what was identified as YAML that a scenario takes as it is.
 
     Parameters
     ----------
-    found : Identification
+    identified : Identification
         What logs tell.
     day : str
         When that was found out.
@@ -82,15 +82,17 @@ def noise_text(found: Identification, day: str) -> str:
         ``defaults`` or ``vehicles``; from what and when, and what the format does not take yet, as
         comments.
     """
-    block = noise_block(found)
+    block = noise_block(identified)
     lines = ["Noise of vehicles, for a scenario."]
-    lines += [f"{key}: {_told(entry)}" for key, entry in provenance(found, day).items()]
-    if any(one.color > 0.0 for one in found.groups) and _is_pending(block.pending, "disturbance"):
+    lines += [f"{key}: {_told(entry)}" for key, entry in provenance(identified, day).items()]
+    if any(one.color > 0.0 for one in identified.groups) and _is_pending(
+        block.pending, "disturbance"
+    ):
         lines.append(
             "The noise has memory, which this format does not take: the covariance below is that of"
         )
         lines.append("white noise that leads to deviations at least as large.")
-    if found.evidence == "states":
+    if identified.evidence == "states":
         lines.append("Maneuvers count as noise here: too large where the vehicles maneuvered.")
     if block.pending:
         lines.append("Identified, and not a part of this format yet:")
@@ -109,7 +111,7 @@ def _is_pending(pending: Mapping[str, object], key: str) -> bool:
 
 
 def with_noise(
-    scenario: Scenario, found: Identification, day: str
+    scenario: Scenario, identified: Identification, day: str
 ) -> tuple[Scenario, tuple[str, ...]]:
     """Return a scenario with the noise, and the feedback, that were identified.
 
@@ -117,7 +119,7 @@ def with_noise(
     ----------
     scenario : Scenario
         Of double integrators, or of single ones if no velocities were logged.
-    found : Identification
+    identified : Identification
         At the scenario's step.
     day : str
         When that was found out; goes to ``source``.
@@ -134,19 +136,20 @@ def with_noise(
     ScenarioError
         If step or dynamics are others than those of the estimates.
     """
-    if abs(scenario.dt - found.model.dt) > 1e-9 * scenario.dt:
+    if abs(scenario.dt - identified.model.dt) > 1e-9 * scenario.dt:
         raise ScenarioError(
-            f"is {scenario.dt:g} s, and the noise is that of steps of {found.model.dt:g} s", ("dt",)
+            f"is {scenario.dt:g} s, and the noise is that of steps of {identified.model.dt:g} s",
+            ("dt",),
         )
     content = encode_scenario(scenario)
-    orders = [_order(vehicle, found, i) for i, vehicle in enumerate(scenario.vehicles)]
-    entries, warnings = _entries(scenario, content, found, orders)
-    block = noise_block(found)
+    orders = [_order(vehicle, identified, i) for i, vehicle in enumerate(scenario.vehicles)]
+    entries, warnings = _entries(scenario, content, identified, orders)
+    block = noise_block(identified)
     if block.pending:
         parts = [part for part in block.pending.values() if isinstance(part, dict)]
         keys = {key for part in parts for key in part} | set(block.pending) & {_SHARED}
         warnings.append(f"identified, and not a part of scenarios yet: {', '.join(sorted(keys))}")
-    source = {**(scenario.source or {}), "noise": provenance(found, day)}
+    source = {**(scenario.source or {}), "noise": provenance(identified, day)}
     kept = {key: part for key, part in content.items() if key not in {_SHARED, _SAMPLES}}
     names = [vehicle.name for vehicle in scenario.vehicles]
     beside: dict[str, object] = dict(_shared(block.content, dict(zip(names, orders, strict=True))))
@@ -174,47 +177,47 @@ def _shared(
 def _entries(
     scenario: Scenario,
     content: Mapping[str, Any],
-    found: Identification,
+    identified: Identification,
     orders: Sequence[Sequence[int]],
 ) -> tuple[list[dict[str, object]], list[str]]:
     """Return the vehicles of a scenario's file with their new noise."""
-    by_name = {one.vehicles[0]: one for one in found.each} if found.differ else {}
+    by_name = {one.vehicles[0]: one for one in identified.each} if identified.differ else {}
     defaults, given = content.get("defaults", {}), content["vehicles"]
     entries, warnings = [], []
     for i, (vehicle, entry) in enumerate(zip(scenario.vehicles, given, strict=True)):
-        if found.differ and vehicle.name not in by_name:
+        if identified.differ and vehicle.name not in by_name:
             warnings.append(
                 f"vehicle {vehicle.name!r} is in no log: it gets the mean of the others"
             )
-        one = by_name.get(vehicle.name, found.pooled)
-        fields = reordered(vehicle_fields(one, found)[0], orders[i])
+        one = by_name.get(vehicle.name, identified.pooled)
+        fields = reordered(vehicle_fields(one, identified)[0], orders[i])
         fields.pop("dynamics", None)
         replaced = {"disturbance", "disturbance_covariance"}
-        replaced |= set() if found.evidence == "states" else {"drift"}
+        replaced |= set() if identified.evidence == "states" else {"drift"}
         kept = {k: part for k, part in {**defaults, **entry}.items() if k not in replaced}
         entries.append({**kept, **fields})
     return entries, warnings
 
 
-def _order(vehicle: Vehicle, found: Identification, index: int) -> list[int]:
+def _order(vehicle: Vehicle, identified: Identification, index: int) -> list[int]:
     """Return where the estimates' states stand in a vehicle's."""
     system = vehicle.system
-    if system.dimension != found.model.dimension:
+    if system.dimension != identified.model.dimension:
         raise ScenarioError(
             f"vehicle {vehicle.name!r} has {system.dimension} axes, the logs have "
-            f"{found.model.dimension}",
+            f"{identified.model.dimension}",
             ("vehicles", index),
         )
     rates = system.rates
-    if found.model.has_velocity and rates is not None:
+    if identified.model.has_velocity and rates is not None:
         return [*system.position, *rates[0]]
     is_single = system.num_states == system.dimension and np.allclose(
         system.A, np.eye(len(system.A))
     )
-    if not found.model.has_velocity and is_single:
+    if not identified.model.has_velocity and is_single:
         return list(system.position)
-    wanted = "a double integrator" if found.model.has_velocity else "a single integrator"
-    lack = "" if found.model.has_velocity else " (the logs have no velocities)"
+    wanted = "a double integrator" if identified.model.has_velocity else "a single integrator"
+    lack = "" if identified.model.has_velocity else " (the logs have no velocities)"
     raise ScenarioError(
         f"must be those of {wanted}{lack}: noise of another model does not apply",
         ("vehicles", index, "dynamics"),

@@ -58,52 +58,52 @@ class Block:
     pending: Mapping[str, object]
 
 
-def noise_block(found: Identification) -> Block:
+def noise_block(identified: Identification) -> Block:
     """Return what was identified as a scenario file spells it.
 
     Parameters
     ----------
-    found : Identification
+    identified : Identification
         What logs tell.
     """
     pending: Fields = {}
     entries = []
-    for one in found.groups:
-        taken, rest = vehicle_fields(one, found)
-        name = one.vehicles[0] if found.differ else "defaults"
-        entries.append({"name": name, **taken} if found.differ else taken)
+    for one in identified.groups:
+        taken, rest = vehicle_fields(one, identified)
+        name = one.vehicles[0] if identified.differ else "defaults"
+        entries.append({"name": name, **taken} if identified.differ else taken)
         if rest:
             pending[name] = rest
-    content: Fields = {"vehicles": entries} if found.differ else {"defaults": entries[0]}
-    least = min(one.worth for one in found.groups)
+    content: Fields = {"vehicles": entries} if identified.differ else {"defaults": entries[0]}
+    least = min(one.worth for one in identified.groups)
     if least < _MOST_SAMPLES:
         place = content if KEYS["covariance_samples"] else pending
         place["covariance_samples"] = max(round(least), _FEWEST_SAMPLES)
-    shared = found.shared
+    shared = identified.shared
     if shared is not None and shared.is_sure:
         common: Fields = {
             "name": "shared",
             "covariance": _rows(nearest_covariance(shared.covariance.value)),
-            "on": {"default": _rows(np.eye(found.model.num_states))},
+            "on": {"default": _rows(np.eye(identified.model.num_states))},
         }
-        if found.pooled.time_constant is not None:
-            common["time_constant"] = _short(float(found.pooled.time_constant.value))
+        if identified.pooled.time_constant is not None:
+            common["time_constant"] = _short(float(identified.pooled.time_constant.value))
         place = content if KEYS["shared_disturbances"] else pending
         place["shared_disturbances"] = [common]
     return Block(content, pending)
 
 
-def vehicle_fields(one: Estimate, found: Identification) -> tuple[Fields, Fields]:
+def vehicle_fields(one: Estimate, identified: Identification) -> tuple[Fields, Fields]:
     """Return a vehicle's fields: those that the format takes, and the others.
 
     Parameters
     ----------
     one : Estimate
         Of the vehicle, or of all.
-    found : Identification
+    identified : Identification
         What it is a part of.
     """
-    fields = _fields(one, found)
+    fields = _fields(one, identified)
     rest = {key: entry for key, entry in fields.items() if not KEYS[key]}
     taken = {key: entry for key, entry in fields.items() if KEYS[key]}
     if "disturbance_covariance" not in taken and "disturbance" not in taken:
@@ -121,7 +121,7 @@ def reordered(fields: Mapping[str, object], order: Sequence[int]) -> Fields:
     order : sequence of int
         Where each of these stands in the state.
     """
-    found: Fields = dict(fields)
+    identified: Fields = dict(fields)
     places = np.argsort(order)
 
     def turned(covariance: object) -> list[list[float]]:
@@ -129,19 +129,22 @@ def reordered(fields: Mapping[str, object], order: Sequence[int]) -> Fields:
         rows: list[list[float]] = np.array(covariance)[np.ix_(places, places)].tolist()
         return rows
 
-    if "disturbance_covariance" in found:
-        found["disturbance_covariance"] = turned(found["disturbance_covariance"])
-    disturbance, feedback = found.get("disturbance"), found.get("feedback")
+    if "disturbance_covariance" in identified:
+        identified["disturbance_covariance"] = turned(identified["disturbance_covariance"])
+    disturbance, feedback = identified.get("disturbance"), identified.get("feedback")
     if isinstance(disturbance, dict):
-        found["disturbance"] = {**disturbance, "covariance": turned(disturbance["covariance"])}
+        identified["disturbance"] = {**disturbance, "covariance": turned(disturbance["covariance"])}
     if isinstance(feedback, dict):
-        found["feedback"] = {"gain": np.array(feedback["gain"])[:, places].tolist()}
-    drift, measurement = found.get("drift"), found.get("measurement")
+        identified["feedback"] = {"gain": np.array(feedback["gain"])[:, places].tolist()}
+    drift, measurement = identified.get("drift"), identified.get("measurement")
     if isinstance(drift, dict) and "state" in drift:
-        found["drift"] = {"state": np.array(drift["state"])[places].tolist()}
+        identified["drift"] = {"state": np.array(drift["state"])[places].tolist()}
     if isinstance(measurement, dict):
-        found["measurement"] = {**measurement, "of": [int(order[i]) for i in measurement["of"]]}
-    return found
+        identified["measurement"] = {
+            **measurement,
+            "of": [int(order[i]) for i in measurement["of"]],
+        }
+    return identified
 
 
 def _white_covariance(one: Estimate) -> Matrix:
@@ -159,9 +162,9 @@ def _white_covariance(one: Estimate) -> Matrix:
     return nearest_covariance(one.covariance.value) * (1.0 + color) / (1.0 - color)
 
 
-def _fields(one: Estimate, found: Identification) -> Fields:
+def _fields(one: Estimate, identified: Identification) -> Fields:
     """Return all fields, whether or not the format takes them."""
-    model = found.model
+    model = identified.model
     d = model.dimension
     fields: Fields = {}
     if not model.has_velocity:
@@ -170,8 +173,10 @@ def _fields(one: Estimate, found: Identification) -> Fields:
             "B": (model.dt * np.eye(d)).tolist(),
             "position": list(range(d)),
         }
-    has_shared = found.shared is not None and found.shared.is_sure and KEYS["shared_disturbances"]
-    own = own_part(one.covariance.value, found.shared if has_shared else None)
+    has_shared = (
+        identified.shared is not None and identified.shared.is_sure and KEYS["shared_disturbances"]
+    )
+    own = own_part(one.covariance.value, identified.shared if has_shared else None)
     if one.time_constant is None:
         fields["disturbance_covariance"] = _rows(own)
     else:
@@ -180,7 +185,7 @@ def _fields(one: Estimate, found: Identification) -> Fields:
     if one.gain is not None and one.gain.excludes_zero:
         fields["feedback"] = {"gain": [[_short(entry) for entry in row] for row in one.gain.value]}
     if one.has_drift:
-        fields["drift"] = _drift(one, found)
+        fields["drift"] = _drift(one, identified)
     if one.measurement is not None:
         of = np.flatnonzero(np.diag(one.measurement.low) > 0.0)
         if of.size:
@@ -189,24 +194,24 @@ def _fields(one: Estimate, found: Identification) -> Fields:
     return fields
 
 
-def _drift(one: Estimate, found: Identification) -> Fields:
+def _drift(one: Estimate, identified: Identification) -> Fields:
     """Return the drift as a current where it moves positions alone, else per step."""
-    d = found.model.dimension
+    d = identified.model.dimension
     value = one.drift.value
     pushes = (one.drift.low[d:] > 0.0) | (one.drift.high[d:] < 0.0)
     if pushes.any():
         return {"state": [_short(entry) for entry in value]}
-    return {"velocity": [_short(entry / found.model.dt) for entry in value[:d]]}
+    return {"velocity": [_short(entry / identified.model.dt) for entry in value[:d]]}
 
 
 def _rows(matrix: Matrix) -> list[list[float]]:
     """Return a covariance's rows with few digits, as far as it stays one."""
-    found = nearest_covariance(matrix)
-    rows = [[_short(entry) for entry in row] for row in found]
+    identified = nearest_covariance(matrix)
+    rows = [[_short(entry) for entry in row] for row in identified]
     try:
         as_covariance(rows, len(rows), ())
     except ScenarioError:
-        rows = found.tolist()
+        rows = identified.tolist()
     return rows
 
 

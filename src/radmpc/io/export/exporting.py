@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import NoneType
 
-from radmpc.arguments import check_kind, check_path, is_number, told
+from radmpc.arguments import check_kind, check_path, is_number, value_text
 from radmpc.atomic import write_bytes
 from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.geodesy import Origin
@@ -86,7 +86,7 @@ class ExportOptions:
         check_kind(self.origin, (Origin, NoneType), "origin", "an Origin or None")
         if self.altitude is not None and not is_number(self.altitude):
             raise ArgumentTypeError(
-                f"altitude must be a number of meters or None, got {told(self.altitude)}"
+                f"altitude must be a number of meters or None, got {value_text(self.altitude)}"
             )
         check_kind(self.is_certified, (bool, NoneType), "is_certified", "True, False or None")
         check_kind(self.steps, (Mapping, NoneType), "steps", "a mapping of steps by name or None")
@@ -152,7 +152,7 @@ def export_plan(
     check_kind(options, (ExportOptions, NoneType), "options", "ExportOptions or None")
     options = options or ExportOptions()
     if not (isinstance(to, str) and to in FORMATS):
-        raise ScenarioError(f"must be one of {', '.join(FORMATS)}, got {told(to)}", ("to",))
+        raise ScenarioError(f"must be one of {', '.join(FORMATS)}, got {value_text(to)}", ("to",))
     job = _job(plan, to, options)
     target = Path(path)
     if to in _FLEET:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from itertools import groupby
 
-from radmpc.arguments import check_integer, is_number, told
+from radmpc.arguments import check_integer, is_number, value_text
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ArgumentError
 from radmpc.model.plan import Cause, Plan
@@ -57,7 +57,7 @@ class FlightSettings:
         check_integer(self.seed, "seed", 0)
         value = self.deadline
         if value is not None and not (is_number(value) and 0.0 <= value < math.inf):
-            raise ArgumentError(f"deadline must be seconds >= 0 or None, got {told(value)}")
+            raise ArgumentError(f"deadline must be seconds >= 0 or None, got {value_text(value)}")
 
 
 @dataclass(frozen=True, slots=True)

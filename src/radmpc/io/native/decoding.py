@@ -90,16 +90,16 @@ def check_entries(data: Mapping[str, object]) -> None:
 def _build(spec: ScenarioSpec) -> Scenario:
     """Return the scenario of a file whose shapes are right."""
     parts = _Attempts()
-    workspace = parts.made(lambda: _workspace(spec))
-    obstacles = parts.made(lambda: _obstacles(spec))
+    workspace = parts.attempt(lambda: _workspace(spec))
+    obstacles = parts.attempt(lambda: _obstacles(spec))
     num_errors = len(parts.errors)
-    parts.made(lambda: check_range(spec.dt, "s", ("dt",)))
+    parts.attempt(lambda: check_range(spec.dt, "s", ("dt",)))
     # With any step the other errors of vehicles show, too.
     dt = spec.dt if len(parts.errors) == num_errors else 1.0
-    vehicles = parts.made(lambda: _vehicles(spec, dt))
-    parts.made(lambda: _check_objective(spec))
+    vehicles = parts.attempt(lambda: _vehicles(spec, dt))
+    parts.attempt(lambda: _check_objective(spec))
     numbers = (spec.dt, spec.horizon, spec.risk_bound, spec.covariance_samples)
-    parts.made(lambda: check_scenario_numbers(*numbers))
+    parts.attempt(lambda: check_scenario_numbers(*numbers))
     raise_together(parts.errors)
     if spec.shared_disturbances and vehicles:
         from radmpc.io.native.shared import with_shared  # noqa: PLC0415 - few share
@@ -168,7 +168,7 @@ class _Attempts:
     def __init__(self) -> None:
         self.errors: list[ScenarioError] = []
 
-    def made(self, make: Callable[[], _Part]) -> _Part | None:
+    def attempt(self, make: Callable[[], _Part]) -> _Part | None:
         """Return a part, None where it is wrong."""
         try:
             return make()
@@ -181,7 +181,9 @@ def _vehicles(spec: ScenarioSpec, dt: float) -> tuple[Vehicle, ...]:
     """Return the vehicles, their own fields before the defaults."""
     shared = Shared(dt)
     parts = _Attempts()
-    vehicles = [parts.made(partial(_vehicle, spec, i, shared)) for i in range(len(spec.vehicles))]
+    vehicles = [
+        parts.attempt(partial(_vehicle, spec, i, shared)) for i in range(len(spec.vehicles))
+    ]
     raise_together(parts.errors)
     return tuple(vehicle for vehicle in vehicles if vehicle is not None)
 
@@ -206,7 +208,9 @@ def _vehicle(spec: ScenarioSpec, index: int, shared: Shared) -> Vehicle:
 def _obstacles(spec: ScenarioSpec) -> tuple[Obstacle, ...]:
     """Return the obstacles."""
     parts = _Attempts()
-    obstacles = [parts.made(partial(_obstacle, i, entry)) for i, entry in enumerate(spec.obstacles)]
+    obstacles = [
+        parts.attempt(partial(_obstacle, i, entry)) for i, entry in enumerate(spec.obstacles)
+    ]
     raise_together(parts.errors)
     return tuple(obstacle for obstacle in obstacles if obstacle is not None)
 

@@ -153,9 +153,9 @@ def _whom(obstacle: Obstacle) -> dict[str, object]:
 
 def _vehicle(vehicle: Vehicle, dt: float) -> dict[str, object]:
     """Return a vehicle's fields, without those that are as when absent."""
-    if vehicle.known is not None:
+    if vehicle.belief is not None:
         message = "what was learned under way is in no file: keep the scenario in the program"
-        raise ScenarioError(message, ("vehicles", vehicle.name, "known"))
+        raise ScenarioError(message, ("vehicles", vehicle.name, "belief"))
     content: dict[str, object] = {
         "name": vehicle.name,
         "start": _start(vehicle),

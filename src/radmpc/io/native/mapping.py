@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from radmpc.arguments import told
+from radmpc.arguments import value_text
 from radmpc.errors import ScenarioError
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
@@ -64,12 +64,12 @@ def from_dict(data: Mapping[str, object]) -> Scenario | Plan:
         path says where in the data.
     """
     if not isinstance(data, Mapping):
-        raise ScenarioError(f"must be a mapping, got {told(data)}")
+        raise ScenarioError(f"must be a mapping, got {value_text(data)}")
     kind = data.get("format")
     if kind == PLAN_FORMAT:
         return decode_plan(data)
     if kind == SCENARIO_FORMAT:
         return decode_scenario(data)
     raise ScenarioError(
-        f"must be {SCENARIO_FORMAT!r} or {PLAN_FORMAT!r}, got {told(kind)}", ("format",)
+        f"must be {SCENARIO_FORMAT!r} or {PLAN_FORMAT!r}, got {value_text(kind)}", ("format",)
     )

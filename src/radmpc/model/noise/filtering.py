@@ -24,13 +24,13 @@ class Learning:
         the vehicle's own disturbance and those it shares and that last.
     unknown : tuple of (q, q) array
         Covariance of what is not known, once measured; of all that is shared, too.
-    told : tuple of (n, n) array
+    corrections : tuple of (n, n) array
         Covariance of what a measurement adds to the estimate of the state.
     """
 
     gains: tuple[Matrix, ...]
     unknown: tuple[Matrix, ...]
-    told: tuple[Matrix, ...]
+    corrections: tuple[Matrix, ...]
 
     def carried(self, step: int, moved: Vector) -> Vector:
         """Return what an estimate that moved tells of the disturbances that follow, (n + s,).
@@ -80,9 +80,9 @@ def learning_of(system: LinearSystem, noise: Noise, horizon: int) -> Learning:
         sensor = Measurement(np.eye(n), np.zeros((n, n)))
     chain, rows = chain_of(system, noise, None), known_rows(noise)
     ahead = chain.initial
-    gains, unknown, told = [], [], []
+    gains, unknown, corrections = [], [], []
     for k in range(horizon + 1):
-        if k == 0 and noise.known is not None:
+        if k == 0 and noise.belief is not None:
             gained = np.zeros((len(ahead), len(sensor.matrix)))
             learned = np.zeros_like(ahead)
         else:
@@ -93,8 +93,8 @@ def learning_of(system: LinearSystem, noise: Noise, horizon: int) -> Learning:
             # To the last digit: rounding is not learned of.
             left[:n] = left[:, :n] = 0.0
         gains.append(gained[rows])
-        told.append(learned[:n, :n])
+        corrections.append(learned[:n, :n])
         unknown.append(left)
         ahead = chain.free @ unknown[-1] @ chain.free.T + chain.fresh
         ahead = 0.5 * (ahead + ahead.T)
-    return Learning(tuple(gains), tuple(unknown), tuple(told))
+    return Learning(tuple(gains), tuple(unknown), tuple(corrections))

@@ -14,9 +14,9 @@ from functools import lru_cache
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.model.noise.belief import Belief
 from radmpc.model.noise.filtering import Learning, learning_of
 from radmpc.model.noise.fleet_chain import Shaken, fleet_chain
-from radmpc.model.noise.known import Known
 from radmpc.model.noise.shared import lasting_parts
 from radmpc.model.noise.spread import Noise
 from radmpc.model.noise.unlearned import surprised, unlearned
@@ -64,7 +64,7 @@ class FleetLearning:
         What the filter makes of the difference between what is told and what was expected.
     unknown : tuple of (q, q) array
         Covariance of η, once measured.
-    told : tuple of (p, p) array
+    innovations : tuple of (p, p) array
         Covariance of what is told about what was expected: of states that are known exactly, and of
         what a vehicle's own filter makes of its measurement.
     """
@@ -73,7 +73,7 @@ class FleetLearning:
     rows: tuple[Indices, ...]
     gains: tuple[Matrix, ...]
     unknown: tuple[Matrix, ...]
-    told: tuple[Matrix, ...]
+    innovations: tuple[Matrix, ...]
 
     def learned(self, step: int, moved: Sequence[Vector]) -> list[Vector]:
         """Return by how much what is known of members changes, (2 n + s,) each.
@@ -94,7 +94,7 @@ class FleetLearning:
         found, start = [], 0
         for size in self._sizes():
             block = slice(start, start + size)
-            found.append(self.told[step][block, block])
+            found.append(self.innovations[step][block, block])
             start += size
         return found
 
@@ -114,9 +114,9 @@ class FleetLearning:
         root = vectors[:, kept] * np.sqrt(values[kept])
         return [np.where(rows[:, None] < 0, 0.0, root[rows]) for rows in self.rows]
 
-    def known(
+    def beliefs(
         self, step: int, noises: Sequence[Noise], means: Sequence[Vector]
-    ) -> list[Known | None]:
+    ) -> list[Belief | None]:
         """Return what is known of members at a step, for plans that begin there; None is the state.
 
         Parameters
@@ -128,7 +128,7 @@ class FleetLearning:
         means : sequence of (n,) or (2 n + s,) array
             What is known of each.
         """
-        found: list[Known | None] = []
+        found: list[Belief | None] = []
         for noise, mean, root in zip(noises, means, self.root(step), strict=True):
             n = len(noise.initial)
             if mean.size == n:
@@ -137,13 +137,13 @@ class FleetLearning:
             alone = np.zeros((2 * n, 2 * n))
             if noise.correlation == 0.0:
                 alone[n:, n:] = noise.disturbance
-            found.append(Known(mean[n : 2 * n], alone, mean[2 * n :], root))
+            found.append(Belief(mean[n : 2 * n], alone, mean[2 * n :], root))
         return found
 
     def _sizes(self) -> list[int]:
         """Return how many states each member has."""
         ends = [int(rows[0]) for rows in self.rows]
-        return [b - a for a, b in zip(ends, [*ends[1:], len(self.told[0])], strict=True)]
+        return [b - a for a, b in zip(ends, [*ends[1:], len(self.innovations[0])], strict=True)]
 
 
 @lru_cache(maxsize=4)
@@ -166,12 +166,12 @@ def fleet_learning(vehicles: tuple[Shaken, ...], horizon: int) -> FleetLearning 
     seen = sum(sizes)
     exact = np.repeat([learning is None for learning in own], sizes).nonzero()[0]
     ahead = chain.initial
-    gains, unknown, told = [], [], []
+    gains, unknown, innovations = [], [], []
     for k in range(horizon + 1):
         sees, errors = _told(chosen, own, k)
         crossed = ahead[:, :seen] @ sees.T
-        told.append(surprised(sees, ahead[:seen, :seen], errors))
-        gain = crossed @ _inverse(told[-1])
+        innovations.append(surprised(sees, ahead[:seen, :seen], errors))
+        gain = crossed @ _inverse(innovations[-1])
         left = unlearned(ahead, gain @ crossed.T)
         # To the last digit: rounding is not learned of.
         left[exact] = left[:, exact] = 0.0
@@ -179,7 +179,7 @@ def fleet_learning(vehicles: tuple[Shaken, ...], horizon: int) -> FleetLearning 
         unknown.append(left)
         ahead = chain.free @ unknown[-1] @ chain.free.T + chain.fresh
         ahead = 0.5 * (ahead + ahead.T)
-    return FleetLearning(members, chain.rows, tuple(gains), tuple(unknown), tuple(told))
+    return FleetLearning(members, chain.rows, tuple(gains), tuple(unknown), tuple(innovations))
 
 
 def _own_filter(vehicle: Shaken, horizon: int) -> Learning | None:

@@ -129,7 +129,7 @@ def _begin(fleet: tuple[Sequence[Shaken], Sequence[Indices]], initial: Matrix) -
     vehicles, rows = fleet
     root = np.zeros((len(initial), 0))
     for vehicle, at in zip(vehicles, rows, strict=True):
-        known = vehicle.noise.known
+        known = vehicle.noise.belief
         if known is None:
             continue
         alone = 2 * vehicle.system.num_states

@@ -105,7 +105,7 @@ def response_of(system: LinearSystem, noise: Noise, gain: Matrix | None, horizon
 def _pushes(noise: Noise, size: int, horizon: int) -> tuple[Tensor, dict[str, slice]]:
     """Return what the normals add to everything at k = 0 and in each step, (T+1, size, E)."""
     shared: tuple[SharedDisturbance, ...] = noise.shared
-    learned = None if noise.known is None else noise.known.common
+    learned = None if noise.belief is None else noise.belief.common
     total = sum(part.size for part in shared) * (horizon + 1)
     more = 0 if learned is None else learned.shape[1]
     pushes = np.zeros((horizon + 1, size, total + more))
@@ -137,7 +137,7 @@ def _learned(chain: Chain, noise: Noise, horizon: int) -> list[Matrix]:
     ahead, found = chain.initial, []
     for k in range(horizon + 1):
         seen, gained = learning(noise.measurement, ahead)
-        if k == 0 and noise.known is not None:
+        if k == 0 and noise.belief is not None:
             gained = np.zeros_like(gained)
         whole = np.zeros_like(ahead)
         whole[:, :n] = gained @ noise.measurement.matrix

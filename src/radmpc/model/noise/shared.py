@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_number, field_parts, field_text, told
+from radmpc.arguments import field_number, field_parts, field_text, value_text
 from radmpc.arrays import Frozen, Matrix, as_covariance, as_matrix
 from radmpc.errors import ScenarioError
 from radmpc.model.numbers import check_correlation
@@ -107,7 +107,7 @@ def as_shared(given: object, num_states: int) -> tuple[SharedDisturbance, ...]:
     for i, part in enumerate(field_parts(given, "a sequence of SharedDisturbances", ("shared",))):
         path = ("shared", i)
         if not isinstance(part, SharedDisturbance):
-            raise ScenarioError(f"must be a SharedDisturbance, got {told(part)}", path)
+            raise ScenarioError(f"must be a SharedDisturbance, got {value_text(part)}", path)
         if len(part.matrix) != num_states:
             text = f"must have {num_states} rows like the state, got {len(part.matrix)}"
             raise ScenarioError(text, (*path, "matrix"))

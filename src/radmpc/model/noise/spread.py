@@ -29,7 +29,7 @@ from radmpc.model.noise.unlearned import surprised, unlearned
 from radmpc.records import dataclass
 
 if TYPE_CHECKING:
-    from radmpc.model.noise.known import Known
+    from radmpc.model.noise.belief import Belief
 
 __all__ = ["Chain", "Noise", "Spread"]
 __all__ += ["chain_of", "known_rows", "learning", "spread_of", "stacked"]
@@ -55,7 +55,7 @@ class Noise:
         What is known of the state; None is all, exactly.
     shared : tuple of SharedDisturbance
         What others meet, too, added to the disturbance.
-    known : Known or None
+    belief : Belief or None
         What is known at k = 0 in place of `initial`, measured there already.
     """
 
@@ -64,7 +64,7 @@ class Noise:
     correlation: float
     measurement: Measurement | None
     shared: tuple[SharedDisturbance, ...] = ()
-    known: Known | None = None
+    belief: Belief | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -197,10 +197,10 @@ def chain_of(system: LinearSystem, noise: Noise, gain: Matrix | None) -> Chain:
         initial[own, own] = covariance
         fresh[own, own] = (1.0 - rho**2) * covariance
         at = own.stop
-    if noise.known is not None:
-        initial[: 2 * n, : 2 * n] = noise.known.covariance
-        if noise.known.common is not None:
-            rows, root = known_rows(noise), noise.known.common
+    if noise.belief is not None:
+        initial[: 2 * n, : 2 * n] = noise.belief.covariance
+        if noise.belief.common is not None:
+            rows, root = known_rows(noise), noise.belief.common
             initial[np.ix_(rows[2 * n :], rows[2 * n :])] = 0.0
             initial[np.ix_(rows, rows)] += root @ root.T
     loop = free.copy()
@@ -256,7 +256,7 @@ def spread_of(system: LinearSystem, noise: Noise, gain: Matrix | None, horizon: 
     unknown = np.empty_like(known)
     before = np.zeros_like(ahead)
     for k in range(horizon + 1):
-        if k == 0 and noise.known is not None:
+        if k == 0 and noise.belief is not None:
             learned = np.zeros_like(ahead)
         else:
             seen, gained = learning(noise.measurement, ahead)

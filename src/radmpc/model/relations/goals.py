@@ -35,19 +35,19 @@ def same_goal(one: Goal, other: Goal) -> bool:
     )
 
 
-def places_of(goals: Sequence[Goal], taken: Sequence[Goal]) -> tuple[int | None, ...]:
+def places_of(goals: Sequence[Goal], assigned: Sequence[Goal]) -> tuple[int | None, ...]:
     """Return which of some goals vehicles have, each at most once; None where it is none of them.
 
     Parameters
     ----------
     goals : sequence of Goal
         To choose from.
-    taken : sequence of Goal
+    assigned : sequence of Goal
         One per vehicle.
     """
     left = list(range(len(goals)))
     places: list[int | None] = []
-    for goal in taken:
+    for goal in assigned:
         found = next((k for k in left if same_goal(goals[k], goal)), None)
         if found is not None:
             left.remove(found)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from radmpc.arguments import field_number, field_parts, field_text, told
+from radmpc.arguments import field_number, field_parts, field_text, value_text
 from radmpc.errors import ScenarioError
 from radmpc.records import dataclass
 
@@ -37,7 +37,9 @@ class Keep:
         for i, name in enumerate(names):
             field_text(name, ("vehicles", i))
         if len(names) != 2 or names[0] == names[1]:
-            raise ScenarioError(f"must name two vehicles, got {told(list(names))}", ("vehicles",))
+            raise ScenarioError(
+                f"must name two vehicles, got {value_text(list(names))}", ("vehicles",)
+            )
         object.__setattr__(self, "vehicles", (names[0], names[1]))
         within = field_number(self.within, ("within",))
         if not 0.0 < within < float("inf"):
@@ -62,7 +64,7 @@ def checked_keep(given: Iterable[Keep]) -> tuple[Keep, ...]:
     kept = []
     for k, part in enumerate(parts):
         if not isinstance(part, Keep):
-            raise ScenarioError(f"must be a Keep, got {told(part)}", ("keep", k))
+            raise ScenarioError(f"must be a Keep, got {value_text(part)}", ("keep", k))
         kept.append(part)
     return tuple(kept)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import ClassVar
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import is_number, value_text
 from radmpc.errors import ScenarioError
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
@@ -16,7 +16,7 @@ from radmpc.planners.certified.infeasible.sure import sure_why_not
 from radmpc.planners.certified.phases.improving import cheaper, improved, turned_to_others
 from radmpc.planners.certified.phases.searching import SearchResult, searched, tell
 from radmpc.planners.certified.phases.time_shares import but_for_proof
-from radmpc.planners.certified.proof.grouping import Known
+from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.prove import Proof, bound_on_any
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.state.bounds import finite, reported_bound, shadow_price
@@ -57,7 +57,7 @@ class Certified(Decomposition):
         """Refuse what is no time."""
         seconds = self.proof_seconds
         if seconds is not None and not (is_number(seconds) and 0.0 <= seconds < float("inf")):
-            raise ScenarioError(f"proof_seconds must be a number >= 0, got {told(seconds)}")
+            raise ScenarioError(f"proof_seconds must be a number >= 0, got {value_text(seconds)}")
 
     def __str__(self) -> str:
         return "certified" if self.proof_seconds is None else f"certified({self.proof_seconds:g})"
@@ -103,22 +103,22 @@ class Certified(Decomposition):
         improving = fleet.with_limits(but_for_proof(run.limits, time.perf_counter() - begun))
         state = improved(improving, state, first, run.judge)
         run.progress("proving", 0, 1)
-        proof = self._proof(fleet.with_limits(run.limits), state, result.known)
+        proof = self._proof(fleet.with_limits(run.limits), state, result.proven)
         state = turned_to_others(fleet.with_limits(run.limits), state, proof, run.judge)
         on_any = min(max(proof.bound, result.on_any), state.incumbent.cost)
         return _draft(fleet, state, result, begun, on_any)
 
-    def _proof(self, fleet: Fleet, state: SearchState, known: Known) -> Proof:
+    def _proof(self, fleet: Fleet, state: SearchState, proven: Proven) -> Proof:
         """Bound the cost of any certified plan; for so many nodes, or so many seconds if asked."""
         price, most_nodes = shadow_price(fleet, state), float("inf")
         if self.proof_seconds is not None:
             fleet = fleet.with_limits(fleet.limits.within(self.proof_seconds))
         else:
-            searched = sum(known.all_nodes for known in state.set_states.values())
+            searched = sum(each.all_nodes for each in state.set_states.values())
             few = min(fleet.scenario.num_vehicles, PROOF_TUNING.most_together)
             least = PROOF_TUNING.least_nodes * few
             most_nodes = max(least, PROOF_TUNING.node_share * searched)
-        return bound_on_any(fleet, state.incumbent, price, most_nodes, known)
+        return bound_on_any(fleet, state.incumbent, price, most_nodes, proven)
 
 
 def _draft(

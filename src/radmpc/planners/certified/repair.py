@@ -37,7 +37,7 @@ _SLACK = 1e-6
 
 
 def repair(
-    problems: Sequence[SetProblem], found: Sequence[Incumbent], budget: float
+    problems: Sequence[SetProblem], incumbents: Sequence[Incumbent], budget: float
 ) -> tuple[Vector, ...] | None:
     """Rescale a fleet's risks to a budget, every alternative as it is.
 
@@ -48,7 +48,7 @@ def repair(
     ----------
     problems : sequence of SetProblem
         The sets.
-    found : sequence of Incumbent
+    incumbents : sequence of Incumbent
         The plan of each.
     budget : float
         What the rows of all sets may risk together [-].
@@ -60,14 +60,14 @@ def repair(
     """
     if budget <= 0.0:
         return None
-    points = [incumbent.z for incumbent in found]
+    points = [incumbent.z for incumbent in incumbents]
     is_free = [True] * len(points)
     programs: dict[int, _AllocatedLp] = {}
     best, least = None, float("inf")
     for _ in range(_TUNED.repairs):
         risks = [
             p.program.event_risks(z, i.selection)
-            for p, z, i in zip(problems, points, found, strict=True)
+            for p, z, i in zip(problems, points, incumbents, strict=True)
         ]
         sums = np.array([r.sum() for r in risks])
         total = float(sums.sum())
@@ -82,7 +82,7 @@ def repair(
         scale = (budget * (1.0 - _SLACK) - held) / max(total - held, 1e-300)
         if scale <= 0.0:
             break
-        for number, (problem, incumbent) in enumerate(zip(problems, found, strict=True)):
+        for number, (problem, incumbent) in enumerate(zip(problems, incumbents, strict=True)):
             if not is_free[number] or sums[number] <= _LEAST * budget:
                 continue
             allocated = np.clip(risks[number] * scale, _LEAST * budget, CONVEX_RISK)

@@ -20,7 +20,7 @@ from radmpc.planners.cures.variants import (
 from radmpc.rounding import rounded_up
 from radmpc.solvers.solution import Limits
 
-__all__ = ["reach_sentence", "room_sentence"]
+__all__ = ["passage_sentence", "reach_sentence"]
 
 _SECONDS = 4.0
 """Time for all trials [s]."""
@@ -41,7 +41,7 @@ Does = Callable[[Scenario, Limits], bool]
 """Whether a scenario that was changed has what was missing; ends by the limits."""
 
 
-def room_sentence(scenario: Scenario, does: Does, limits: Limits) -> str:
+def passage_sentence(scenario: Scenario, does: Does, limits: Limits) -> str:
     """Return what gives vehicles room that find no way: horizon, Δ, faces, or else less noise.
 
     Parameters
@@ -83,7 +83,7 @@ def reach_sentence(scenario: Scenario, late: Iterable[int], does: Does, limits: 
     late : iterable of int
         Vehicles that cannot reach their goals through empty space.
     does, limits
-        As in `room_sentence`: whether all vehicles of a changed scenario reach theirs.
+        As in `passage_sentence`: whether all vehicles of a changed scenario reach theirs.
 
     Returns
     -------

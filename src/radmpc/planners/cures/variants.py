@@ -146,12 +146,12 @@ def _known_better(obstacle: Obstacle, factor: float) -> Obstacle:
     return replace(obstacle, shape=shape, dt=None)
 
 
-def helps_sentence(found: Sequence[str]) -> str:
+def helps_sentence(cures: Sequence[str]) -> str:
     """Return what was tried and does, in a sentence; empty where nothing did.
 
     Parameters
     ----------
-    found : sequence of str
+    cures : sequence of str
         Each in the imperative, without a full stop.
     """
-    return f"What helps, as tried: {'; or '.join(found)}." if found else ""
+    return f"What helps, as tried: {'; or '.join(cures)}." if cures else ""

@@ -6,7 +6,7 @@ import logging
 import time
 from typing import ClassVar
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import is_number, value_text
 from radmpc.errors import ScenarioError
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
@@ -54,12 +54,12 @@ class Couplings(Decomposition):
         """Refuse thresholds that are no probability."""
         if not (is_number(self.threshold) and 0.0 <= self.threshold <= 1.0):
             raise ScenarioError(
-                f"couplings threshold must be in [0, 1], got {told(self.threshold)}"
+                f"couplings threshold must be in [0, 1], got {value_text(self.threshold)}"
             )
         for name, kind in (("approximation", Receding), ("approximation_policy", Pool)):
             part = getattr(self, name)
             if not isinstance(part, kind):
-                raise ScenarioError(f"{name} must be a {kind.__name__}, got {told(part)}")
+                raise ScenarioError(f"{name} must be a {kind.__name__}, got {value_text(part)}")
 
     def __str__(self) -> str:
         how = "" if self.approximation == Receding() else f", {self.approximation}"

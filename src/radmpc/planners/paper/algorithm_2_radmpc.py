@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from radmpc.arguments import check_word, is_number, told
+from radmpc.arguments import check_word, is_number, value_text
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.model.plan import Status
@@ -66,7 +66,7 @@ class Receding(Decomposition):
         check_word(self.covariances, ("schedule", "reset"), "covariances")
         check_word(self.arrivals, ("once", "every_step"), "arrivals")
         if not (is_number(self.sigmas) and 0.0 <= self.sigmas <= 10.0):
-            raise ScenarioError(f"sigmas must lie between 0 and 10, got {told(self.sigmas)}")
+            raise ScenarioError(f"sigmas must lie between 0 and 10, got {value_text(self.sigmas)}")
 
     def __str__(self) -> str:
         options = [o for o in (self.covariances, self.arrivals) if o not in {"schedule", "once"}]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import is_number, value_text
 from radmpc.errors import ScenarioError
 from radmpc.planners.policies.policy import Family, Policy, RiskUse, Solved, SolveRequest
 from radmpc.records import dataclass
@@ -45,7 +45,7 @@ class Sigmas(Policy):
     def __post_init__(self) -> None:
         """Refuse counts that programs cannot keep."""
         if not (is_number(self.count) and 0.0 <= self.count <= 7.0):
-            raise ScenarioError(f"sigmas must lie between 0 and 7, got {told(self.count)}")
+            raise ScenarioError(f"sigmas must lie between 0 and 7, got {value_text(self.count)}")
 
     def __str__(self) -> str:
         return f"sigmas({self.count:g})"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import ClassVar
 
-from radmpc.arguments import check_word, is_integer, is_number, told
+from radmpc.arguments import check_word, is_integer, is_number, value_text
 from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.planners.draft import Step
@@ -72,10 +72,10 @@ class Ira(Policy):
         for name in ("active_tol", "keep"):
             share = getattr(self, name)
             if not (is_number(share) and 0.0 <= share <= 1.0):
-                raise ScenarioError(f"{name} must lie between 0 and 1, got {told(share)}")
+                raise ScenarioError(f"{name} must lie between 0 and 1, got {value_text(share)}")
         if not (is_integer(self.max_iterations) and self.max_iterations >= 1):
             raise ScenarioError(
-                f"max_iterations must be an integer >= 1, got {told(self.max_iterations)}"
+                f"max_iterations must be an integer >= 1, got {value_text(self.max_iterations)}"
             )
 
     def __str__(self) -> str:

@@ -17,7 +17,7 @@ from radmpc.plotting.artists.flat import Color
 from radmpc.plotting.artists.obstacles import along_lines, ring_of, seen
 from radmpc.plotting.canvas.space_labels import Board, SpaceBoard
 from radmpc.plotting.canvas.style import NUMBER_SIZE, OBSTACLE_FILL, WALL_WIDTH
-from radmpc.plotting.clearances import distances_at_steps, touches_way
+from radmpc.plotting.clearances import distances_at_steps, touches_sweep
 from radmpc.plotting.curves import Plane, positions
 from radmpc.records import dataclass
 
@@ -68,7 +68,7 @@ def nearest_ghosts(plan: Plan) -> tuple[Ghost, ...]:
         if not obstacle.is_moving or not plan.trajectories:
             continue
         everyone = range(len(plan.trajectories))
-        crossing = [i for i in everyone if touches_way(plan, i, obstacle)]
+        crossing = [i for i in everyone if touches_sweep(plan, i, obstacle)]
         ghosts = sorted(
             (_ghost(plan, i, obstacle) for i in crossing or everyone), key=lambda g: g.distance
         )

@@ -13,7 +13,7 @@ from matplotlib.path import Path
 from radmpc.arrays import Matrix
 from radmpc.geometry import Polytope, planar
 from radmpc.model.obstacle import Obstacle
-from radmpc.plotting.artists.relations import FOR_SOME, PASSED, name_told
+from radmpc.plotting.artists.relations import FOR_SOME, PASSED, name_text
 from radmpc.plotting.canvas.labels import LabelBoard
 from radmpc.plotting.canvas.style import (
     MUTED,
@@ -134,7 +134,7 @@ def _name_obstacle(obstacle: Obstacle, board: LabelBoard, plane: Plane) -> None:
     width, height = np.ptp(corners, axis=0)
     center = corners.mean(axis=0)
     has_room = len(obstacle.steps) == 1 and len(corners) > 2
-    text, gid = name_told(obstacle), f"label:{obstacle.name}"
+    text, gid = name_text(obstacle), f"label:{obstacle.name}"
     if has_room and board.fits(text, width, height):
         board.put(text, center, MUTED, gid=gid)
     elif has_room and board.fits(text, height, width):

@@ -17,7 +17,7 @@ from radmpc.plotting.canvas.space_labels import Board, SpaceBoard
 from radmpc.plotting.canvas.style import MUTED, NUMBER_SIZE
 from radmpc.plotting.curves import ABOVE, Plane, positions
 
-__all__ = ["FOR_SOME", "PASSED", "RANGE_DASHES", "draw_ranges", "name_told"]
+__all__ = ["FOR_SOME", "PASSED", "RANGE_DASHES", "draw_ranges", "name_text"]
 
 FOR_SOME: dict[str, Any] = {"facecolor": "#F4F4F4", "hatch": "////", "hatch_linewidth": 0.4}
 """How an obstacle looks that some vehicles pass through: pale and hatched."""
@@ -32,7 +32,7 @@ _MOST_NAMED = 3
 """Vehicles that a label names [-]."""
 
 
-def name_told(obstacle: Obstacle) -> str:
+def name_text(obstacle: Obstacle) -> str:
     """Return an obstacle's name, and whom it is for where that is not everybody.
 
     Parameters
@@ -49,7 +49,7 @@ def name_told(obstacle: Obstacle) -> str:
 
 
 def draw_ranges(
-    ax: Axes, what: Scenario | Plan, board: Board, plane: Plane = ABOVE, *, is_told: bool = True
+    ax: Axes, what: Scenario | Plan, board: Board, plane: Plane = ABOVE, *, is_named: bool = True
 ) -> None:
     """Draw a line between two that keep a range: their means when farthest apart, or their starts.
 
@@ -63,7 +63,7 @@ def draw_ranges(
         Where texts stand.
     plane : (int, int)
         The two coordinates that flat axes show.
-    is_told : bool
+    is_named : bool
         Whether distance and range are written beside the line.
     """
     is_flat = not isinstance(board, SpaceBoard)
@@ -73,7 +73,7 @@ def draw_ranges(
             *shown.T, color=MUTED, linewidth=0.8, linestyle=RANGE_DASHES, zorder=4.5,
             gid=f"range:{name}",
         )  # fmt: skip
-        if is_told:
+        if is_named:
             _tell(board, text, shown.mean(axis=0), f"range label:{name}")
 
 

@@ -13,7 +13,7 @@ from radmpc.model.plan import Trajectory
 from radmpc.model.scenario import Workspace
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.flat import Color
-from radmpc.plotting.artists.relations import name_told
+from radmpc.plotting.artists.relations import name_text
 from radmpc.plotting.canvas.space_labels import SpaceBoard
 from radmpc.plotting.canvas.style import (
     MUTED,
@@ -100,7 +100,7 @@ def draw_obstacle_3d(
         return
     top = np.vstack([piece.vertices for piece in obstacle.steps[-1]])
     place = (*top.mean(axis=0)[:2], float(top[:, 2].max()))
-    board.beside(name_told(obstacle), np.asarray(place), MUTED, gid=f"label:{obstacle.name}")
+    board.beside(name_text(obstacle), np.asarray(place), MUTED, gid=f"label:{obstacle.name}")
 
 
 def _draw_piece_3d(ax: Axes3D, name: str, corners: Matrix, alpha: float) -> None:

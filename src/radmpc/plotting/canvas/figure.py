@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D, proj3d
 
-from radmpc.arguments import told
+from radmpc.arguments import value_text
 from radmpc.arrays import Matrix
 from radmpc.errors import ArgumentError, ArgumentTypeError
 from radmpc.plotting.canvas.style import COLUMN_WIDTH, LABEL_SIZE, TICK_SIZE
@@ -20,6 +20,7 @@ from radmpc.plotting.curves import ABOVE, Plane
 __all__ = [
     "DPI",
     "ZOOM",
+    "cell_of",
     "check_axes",
     "check_figure",
     "drawn_box",
@@ -27,7 +28,6 @@ __all__ = [
     "new_axes",
     "new_figure",
     "ratio_in_space",
-    "room_of",
     "settle_axes",
     "settle_layout",
     "zoom_to",
@@ -117,7 +117,9 @@ def check_axes(ax: object, dimension: int | None = None) -> None:
     if ax is None:
         return
     if not isinstance(ax, Axes):
-        raise ArgumentTypeError(f"ax must be one of matplotlib's Axes or None, got {told(ax)}")
+        raise ArgumentTypeError(
+            f"ax must be one of matplotlib's Axes or None, got {value_text(ax)}"
+        )
     if dimension is not None and isinstance(ax, Axes3D) != (dimension == 3):
         expected = "made with projection='3d'" if dimension == 3 else "flat"
         raise ArgumentError(f"ax must be {expected} for a scenario in {dimension}-D")
@@ -133,7 +135,8 @@ def check_figure(figure: object) -> None:
     """
     if figure is not None and not isinstance(figure, Figure | SubFigure):
         raise ArgumentTypeError(
-            f"figure must be one of matplotlib's Figure, SubFigure or None, got {told(figure)}"
+            "figure must be one of matplotlib's Figure, SubFigure or None, "
+            f"got {value_text(figure)}"
         )
 
 
@@ -178,8 +181,8 @@ def settle_layout(ax: Axes) -> None:
         fill(ax)
 
 
-def fill(ax: Axes3D, room: Bbox | None = None) -> None:
-    """Zoom until box, ticks and labels in space fill a room [px] around the axes' middle.
+def fill(ax: Axes3D, cell: Bbox | None = None) -> None:
+    """Zoom until box, ticks and labels in space fill a cell [px] around the axes' middle.
 
     None is the square that the axes have themselves: what reaches beyond it, layouts count as the
     axes' own.
@@ -188,15 +191,15 @@ def fill(ax: Axes3D, room: Bbox | None = None) -> None:
     ----------
     ax : Axes3D
         What is zoomed.
-    room : Bbox or None
+    cell : Bbox or None
         What the drawing may fill [px].
     """
     drawn = drawn_box(ax)
-    room = ax.bbox if room is None else room
-    center = 0.5 * np.array([room.x0 + room.x1, room.y0 + room.y1])
+    cell = ax.bbox if cell is None else cell
+    center = 0.5 * np.array([cell.x0 + cell.x1, cell.y0 + cell.y1])
     # Zooming keeps the center: what counts is how far the drawing reaches from it.
     reach = np.abs(np.array([drawn.x0, drawn.y0, drawn.x1, drawn.y1]) - np.tile(center, 2))
-    half = 0.5 * np.array([room.width, room.height])
+    half = 0.5 * np.array([cell.width, cell.height])
     zoom = float(np.min(np.tile(half, 2) / np.maximum(reach, 1.0)))
     zoom_to(ax, ZOOM * zoom)
 
@@ -211,8 +214,8 @@ def drawn_box(ax: Axes3D) -> Bbox:
     return Bbox.union([box, *(box for box in boxes if box is not None)])
 
 
-def room_of(ax: Axes3D) -> Bbox:
-    """Return the room that a layout gave to axes in space [px]; they use a square of it."""
+def cell_of(ax: Axes3D) -> Bbox:
+    """Return the cell that a layout gave to axes in space [px]; they use a square of it."""
     transform = ax.get_figure(root=True).transFigure
     return Bbox(transform.transform(ax.get_position(original=True).get_points()))
 

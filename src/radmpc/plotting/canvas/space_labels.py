@@ -10,7 +10,7 @@ from matplotlib.transforms import ScaledTranslation
 from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.plotting.canvas.figure import room_of
+from radmpc.plotting.canvas.figure import cell_of
 from radmpc.plotting.canvas.labels import LETTER, LabelBoard, best_place
 from radmpc.plotting.canvas.style import LABEL_SIZE
 from radmpc.records import dataclass, field
@@ -70,7 +70,7 @@ class SpaceBoard:
         scale = self.axes.get_figure(root=True).dpi / 72.0
         half = 0.5 * np.array([LETTER[0] * len(text), LETTER[1]]) * size * scale
         center = self._seen(place[None, :])[0]
-        window = room_of(self.axes)
+        window = cell_of(self.axes)
         frame = np.array([window.x0, window.y0, window.x1, window.y1])
         mark = np.full(2, _HALF_MARK * scale * size / LABEL_SIZE)
         found = best_place(center, mark, half, self.points, self.boxes, frame)

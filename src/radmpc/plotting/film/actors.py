@@ -17,7 +17,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.flat import Color
-from radmpc.plotting.artists.relations import FOR_SOME, name_told
+from radmpc.plotting.artists.relations import FOR_SOME, name_text
 from radmpc.plotting.artists.straying import (
     SPREAD_DASHES,
     grown_outline,
@@ -210,7 +210,7 @@ class _FlatObstacle:
             markeredgewidth=0.0, zorder=2,
         )  # fmt: skip
         self.name = ax.text(
-            0.0, 0.0, name_told(obstacle), fontsize=LABEL_SIZE, color=OBSTACLE_EDGE, ha="center",
+            0.0, 0.0, name_text(obstacle), fontsize=LABEL_SIZE, color=OBSTACLE_EDGE, ha="center",
             va="center", zorder=2.1, clip_on=True,
         )  # fmt: skip
         (self.ring,) = ax.plot(

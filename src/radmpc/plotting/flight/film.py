@@ -150,7 +150,7 @@ class _Actor:
         self._discs = [
             () if one is None else confidence_ellipses(vehicle, one, plane=ABOVE) for one in coming
         ]
-        self._ways = [
+        self._routes = [
             np.zeros((0, 2)) if one is None else positions(vehicle, one)[:, :2] for one in coming
         ]
         self._cone = PolyCollection(
@@ -180,7 +180,7 @@ class _Actor:
             self._hull.set_linewidth(0.6)
         self._trail.set_data(*self._places[: frame + 1].T)
         self._cone.set_verts(self._discs[step])
-        self._way.set_data(*np.vstack([place, self._ways[step]]).T)
+        self._way.set_data(*np.vstack([place, self._routes[step]]).T)
 
 
 def _places(vehicle: Vehicle, path: Trajectory) -> Matrix:

@@ -51,7 +51,7 @@ def flown(record: FlightRecord, mission: FlownMission) -> tuple[Trajectory, ...]
     return tuple(found)
 
 
-def ahead(vehicle: Vehicle, number: int, known: Followed) -> Trajectory | None:
+def ahead(vehicle: Vehicle, number: int, followed: Followed) -> Trajectory | None:
     """Return what is still to come of a vehicle, as its measured state says.
 
     Parameters
@@ -60,7 +60,7 @@ def ahead(vehicle: Vehicle, number: int, known: Followed) -> Trajectory | None:
         Which.
     number : int
         Its place in the scenario.
-    known : Followed
+    followed : Followed
         What was measured and decided.
 
     Returns
@@ -68,15 +68,15 @@ def ahead(vehicle: Vehicle, number: int, known: Followed) -> Trajectory | None:
     Trajectory or None
         From the next step on; None at the end.
     """
-    nominal = known.nominals[number]
+    nominal = followed.nominals[number]
     if len(nominal) < 2:
         return None
     loop = vehicle.system.A
     if vehicle.gain is not None:
         loop = loop + vehicle.system.B @ vehicle.gain
     deviation: Vector = np.zeros(len(loop))
-    if known.row.states is not None:
-        deviation = known.row.states[number] - nominal[0]
+    if followed.row.states is not None:
+        deviation = followed.row.states[number] - nominal[0]
     means = []
     for mean in nominal[1:]:
         deviation = loop @ deviation

@@ -87,18 +87,18 @@ class Instants:
             *_common(model, windows, share),
         )
 
-    def near(self, lower: Matrix, upper: Matrix, room: Vector) -> Indices:
+    def near(self, lower: Matrix, upper: Matrix, distance: Vector) -> Indices:
         """Return the numbers of the instants at which the body may come near boxes.
 
         Parameters
         ----------
         lower, upper : (I or 1, d) array
             The boxes [m].
-        room : (I,) array
+        distance : (I,) array
             What counts as near [m].
         """
         apart = np.maximum(lower - self.upper, self.lower - upper)
-        return np.flatnonzero(np.all(apart <= room[:, None], axis=1))
+        return np.flatnonzero(np.all(apart <= distance[:, None], axis=1))
 
     def take(self, chosen: Indices) -> Instants:
         """Return some of the instants, by their numbers."""

@@ -21,7 +21,7 @@ import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.records import dataclass, replace
-from radmpc.referee.bound.crossings import Crossings
+from radmpc.referee.bound.cross_covariances import CrossCovariances
 from radmpc.referee.common import relative
 from radmpc.referee.motion import FleetMotion, Group
 from radmpc.referee.tracks import Tracks
@@ -88,7 +88,7 @@ class Moments:
             self.bent_with_far[rows, parts],
         )
 
-    def correlated(self, crossed: Crossings) -> Moments:
+    def correlated(self, crossed: CrossCovariances) -> Moments:
         """Return moments of differences whose positions are correlated, from their sums' ones."""
         return replace(
             self,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Tensor
-from radmpc.referee.bound.crossings import crossings
+from radmpc.referee.bound.cross_covariances import cross_covariances
 from radmpc.referee.bound.halfspace import unit
 from radmpc.referee.bound.moments import Moments, moments_of, moments_of_tracks
 from radmpc.referee.bound.persistence import Crossed, path_charges
@@ -184,4 +184,6 @@ def _relative(encounters: Encounters, motion: FleetMotion, parts: int) -> Moment
     apart = of_all.of(first).minus(of_all.of(np.searchsorted(vehicles, encounters.other)))
     if motion.common is None:
         return apart
-    return apart.correlated(crossings(motion.common, encounters.first, encounters.other, parts))
+    return apart.correlated(
+        cross_covariances(motion.common, encounters.first, encounters.other, parts)
+    )

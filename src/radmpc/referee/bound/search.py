@@ -52,8 +52,8 @@ def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix,
     return best, risks
 
 
-def closest_directions(sites: Sites, common: Tensor, known: Matrix) -> Matrix:
-    """Return the best of faces, tangents and a known direction for each site, without a search.
+def closest_directions(sites: Sites, common: Tensor, current: Matrix) -> Matrix:
+    """Return the best of faces, tangents and the current direction for each site, without a search.
 
     Over a short part of an interval the tangents of its ends are close to the best there is.
 
@@ -63,7 +63,7 @@ def closest_directions(sites: Sites, common: Tensor, known: Matrix) -> Matrix:
         S sites.
     common : (S, C, d) array
         Faces and axes.
-    known : (S, d) array
+    current : (S, d) array
         A direction found for a larger place; kept where its risk is negligible.
 
     Returns
@@ -71,13 +71,13 @@ def closest_directions(sites: Sites, common: Tensor, known: Matrix) -> Matrix:
     (S, d) array
         Directions.
     """
-    _, risks = _cheapest(sites, known[:, None])
+    _, risks = _cheapest(sites, current[:, None])
     worth = np.flatnonzero(risks > NEGLIGIBLE)
     if not worth.size:
-        return known
+        return current
     close = sites.take(worth)
-    tried = np.concatenate([known[worth, None], common[worth], _tangents(close)], axis=1)
-    best = known.copy()
+    tried = np.concatenate([current[worth, None], common[worth], _tangents(close)], axis=1)
+    best = current.copy()
     best[worth], _ = _or_across(close, *_cheapest(close, tried))
     return best
 

@@ -34,7 +34,7 @@ class Gusts:
         The vehicles.
     picks : (N, n, q) array
         Where in the loop's state of each vehicle λ stands.
-    moves : (q + p, q) array
+    transition : (q + p, q) array
         M, and E of all vehicles that know their states.
     fresh : (q + p, q + p) array
         Covariance of v and v'.
@@ -48,7 +48,7 @@ class Gusts:
 
     members: tuple[int, ...]
     picks: Tensor
-    moves: Matrix
+    transition: Matrix
     fresh: Matrix
     sees: Matrix
     errors: Matrix
@@ -63,12 +63,12 @@ class Gusts:
             0..T.
         """
         while len(self.unknown) <= step:
-            moved = self.moves @ self.unknown[-1] @ self.moves.T + self.fresh
-            self.unknown.append(self.told(moved))
+            moved = self.transition @ self.unknown[-1] @ self.transition.T + self.fresh
+            self.unknown.append(self.updated(moved))
         values, vectors = np.linalg.eigh(self.unknown[step])
         return np.asarray(self.picks @ (vectors * np.sqrt(values.clip(min=0.0))))
 
-    def told(self, joint: Matrix) -> Matrix:
+    def updated(self, joint: Matrix) -> Matrix:
         """Return the covariance of λ given what is measured of it.
 
         Parameters
@@ -84,11 +84,11 @@ class Gusts:
         told = crossed @ seen.T
         told[size - q :, size - q :] += self.errors
         units = np.sqrt(np.diag(told))
-        moves = units > 0.0
-        scaled = told[np.ix_(moves, moves)] / np.outer(units[moves], units[moves])
+        has_any = units > 0.0
+        scaled = told[np.ix_(has_any, has_any)] / np.outer(units[has_any], units[has_any])
         values, vectors = np.linalg.eigh(scaled)
         tells = values > _NOTHING
-        of_rest = crossed[moves, :q] / units[moves, None]
+        of_rest = crossed[has_any, :q] / units[has_any, None]
         root = (vectors[:, tells] / np.sqrt(values[tells])).T @ of_rest
         left = joint[:q, :q] - root.T @ root
         return np.asarray(0.5 * (left + left.T))
@@ -121,21 +121,21 @@ def gusts_of(vehicles: Sequence[Vehicle], size: int) -> Gusts | None:
     places = _places(sharing)
     if not places.q:
         return None
-    moves, fresh = _moving(sharing, places)
+    transition, fresh = _moving(sharing, places)
     sees, errors = _sensors(sharing, places)
     picks = np.zeros((len(vehicles), size, places.q))
     for i, vehicle in zip(members, sharing, strict=True):
         rows = _rows(vehicle, places)
         row = 0 if vehicle.measurement is not None else vehicle.start.size
         picks[i, row + np.arange(len(rows)), rows] = 1.0
-    found = Gusts(tuple(members), picks, moves, fresh, sees, errors)
+    found = Gusts(tuple(members), picks, transition, fresh, sees, errors)
     begun = _begun(sharing, places)
-    if any(vehicle.known is not None for vehicle in sharing):
+    if any(vehicle.belief is not None for vehicle in sharing):
         found.unknown.append(begun)
     else:
         exact = np.zeros_like(fresh)
         exact[: places.q, : places.q] = begun
-        found.unknown.append(found.told(exact))
+        found.unknown.append(found.updated(exact))
     return found
 
 
@@ -181,10 +181,10 @@ def _begun(vehicles: Sequence[Vehicle], places: _Places) -> Matrix:
             if part.name in places.shared:
                 at = places.shared[part.name]
                 result[at, at] = part.covariance
-        if vehicle.known is None or vehicle.known.common is None:
+        if vehicle.belief is None or vehicle.belief.common is None:
             continue
         # What is known of it is known together with the others: that is all there is.
-        n, rows, common = vehicle.start.size, _rows(vehicle, places), vehicle.known.common
+        n, rows, common = vehicle.start.size, _rows(vehicle, places), vehicle.belief.common
         if not root.shape[1]:
             root = np.zeros((places.q, common.shape[1]))
         kept = np.zeros(len(common), dtype=bool)
@@ -197,25 +197,25 @@ def _begun(vehicles: Sequence[Vehicle], places: _Places) -> Matrix:
 
 def _moving(vehicles: Sequence[Vehicle], places: _Places) -> tuple[Matrix, Matrix]:
     """Return what λ makes of itself and of known states over a step, and what is new in both."""
-    moves, fresh = np.zeros((places.size, places.q)), np.zeros((places.size, places.size))
+    transition, fresh = np.zeros((places.size, places.q)), np.zeros((places.size, places.size))
     new: dict[str, tuple[Matrix, Matrix]] = {}
     for vehicle in vehicles:
         n, name = vehicle.start.size, vehicle.name
         if name in places.states:
             mine = places.states[name]
-            moves[mine, mine] = vehicle.system.A
+            transition[mine, mine] = vehicle.system.A
         else:
             mine = places.exact[name]
         if name in places.own:
             at, rho = places.own[name], vehicle.disturbance_correlation
-            moves[mine, at], moves[at, at] = np.eye(n), rho * np.eye(n)
+            transition[mine, at], transition[at, at] = np.eye(n), rho * np.eye(n)
             fresh[at, at] = (1.0 - rho * rho) * vehicle.disturbance_covariance
         else:
             fresh[mine, mine] += vehicle.disturbance_covariance
         for part in vehicle.shared:
             if part.name in places.shared:
                 at, rho = places.shared[part.name], part.correlation
-                moves[mine, at], moves[at, at] = part.matrix, rho * np.eye(part.size)
+                transition[mine, at], transition[at, at] = part.matrix, rho * np.eye(part.size)
                 fresh[at, at] = (1.0 - rho * rho) * part.covariance
                 continue
             acts = new.setdefault(part.name, (np.zeros((places.size, part.size)), part.covariance))[
@@ -224,7 +224,7 @@ def _moving(vehicles: Sequence[Vehicle], places: _Places) -> tuple[Matrix, Matri
             acts[mine] = part.matrix
     for acts, covariance in new.values():
         fresh += acts @ covariance @ acts.T
-    return moves, fresh
+    return transition, fresh
 
 
 def _sensors(vehicles: Sequence[Vehicle], places: _Places) -> tuple[Matrix, Matrix]:

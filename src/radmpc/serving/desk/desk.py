@@ -13,7 +13,7 @@ from radmpc.serving.desk.kept import KeptPlan
 from radmpc.serving.desk.looking import Lookout
 from radmpc.serving.desk.opening import Opened
 from radmpc.serving.desk.search import Search
-from radmpc.serving.desk.things import Changed, forget, known
+from radmpc.serving.desk.things import Changed, forget, thing_of
 from radmpc.serving.documents.document import Document
 from radmpc.serving.failures import CallError, refused
 from radmpc.serving.folder import Folder
@@ -68,19 +68,19 @@ class Desk:
         CallError
             If it is not open.
         """
-        return known(self.documents, number, "document")
+        return thing_of(self.documents, number, "document")
 
     def plan(self, number: str) -> KeptPlan:
         """Return a plan that is kept; see `document`."""
-        return known(self.plans, number, "plan")
+        return thing_of(self.plans, number, "plan")
 
     def search(self, number: str) -> Search:
         """Return a search; see `document`."""
-        return known(self.searches, number, "search")
+        return thing_of(self.searches, number, "search")
 
     def flight(self, number: str) -> OpenFlight:
         """Return a flight; see `document`."""
-        return known(self.flights, number, "flight")
+        return thing_of(self.flights, number, "flight")
 
     def state(self, document: Document) -> DocumentState:
         """Return what pages are told of a document."""
@@ -235,7 +235,7 @@ class Desk:
             scenario.horizon,
             scenario.risk_bound,
             ticks=opened.ticks or (),
-            told="read from its file",
+            note="read from its file",
         )
         self.flights[flight.number] = flight
 
@@ -254,9 +254,9 @@ class Desk:
         if search.document not in self.documents:
             return
         # The plan that a search ends with was mostly its last better one: it stands there once.
-        known = next((p for p in self._passed(search) if p.is_of_same_paths(plan)), None)
+        thing_of = next((p for p in self._passed(search) if p.is_of_same_paths(plan)), None)
         kept = KeptPlan.of(
-            self._number("p") if known is None else known.number,
+            self._number("p") if thing_of is None else thing_of.number,
             search.document,
             plan,
             search.revision,
@@ -264,8 +264,8 @@ class Desk:
             search=search.number,
             is_final=ended is not None,
         )
-        if known is not None:
-            kept.trails.update(self.plans.pop(known.number).trails)
+        if thing_of is not None:
+            kept.trails.update(self.plans.pop(thing_of.number).trails)
         self._forget_plans(search)
         self.plans[kept.number] = kept
         said = {"document": kept.document, "summary": kept.summary, "search": search.number}

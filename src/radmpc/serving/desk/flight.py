@@ -32,7 +32,7 @@ class OpenFlight:
         Δ [-].
     ticks : sequence of TickView
         What is known of it already.
-    told : str or None
+    note : str or None
         How it ended; None where it is yet to begin.
     """
 
@@ -45,12 +45,12 @@ class OpenFlight:
         risk_bound: float,
         *,
         ticks: Sequence[TickView] = (),
-        told: str | None = None,
+        note: str | None = None,
     ) -> None:
         self.number, self.document, self.plan = number, document, plan
         self.steps, self.risk_bound = steps, risk_bound
         self.ticks: list[TickView] = list(ticks)
-        self._told, self._is_over, self._has_failed = told, told is not None, False
+        self._note, self._is_over, self._has_failed = note, note is not None, False
         self._worker: Worker | None = None
         self._is_stopped = False
         self._task: asyncio.Task[None] | None = None
@@ -75,7 +75,7 @@ class OpenFlight:
             "steps": self.steps,
             "riskBound": self.risk_bound,
             "ticks": list(self.ticks),
-            "told": self._told,
+            "note": self._note,
         }
 
     def begin(
@@ -125,17 +125,17 @@ class OpenFlight:
             async with crew.worker() as worker:
                 self._worker = worker
                 try:
-                    told = "stopped before it began"
+                    note = "stopped before it began"
                     if not self._is_stopped:
-                        told = await worker.run("fly", *args, told=take)
+                        note = await worker.run("fly", *args, listener=take)
                 finally:
                     self._worker = None
-                self._told = told
+                self._note = note
         except CallError as error:
-            self._has_failed, self._told = True, str(error)
+            self._has_failed, self._note = True, str(error)
         except Exception as error:
             # Else it would seem to go on for ever.
-            self._has_failed, self._told = True, f"internal error: {type(error).__name__}"
+            self._has_failed, self._note = True, f"internal error: {type(error).__name__}"
         self._is_over = True
         changed(self)
 

@@ -59,7 +59,7 @@ async def judged(desk: Desk, plan: Plan, name: str) -> Plan | None:
 
     async def work() -> Plan:
         async with desk.crew.worker() as worker:
-            found: Plan = await worker.run("judge", plan, told=hear)
+            found: Plan = await worker.run("judge", plan, listener=hear)
             return found
 
     job = asyncio.ensure_future(work())

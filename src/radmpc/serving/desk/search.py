@@ -58,7 +58,7 @@ class Search:
         self._worker: Worker | None = None
         self._is_over, self._has_failed, self._is_stopped = False, False, False
         self._stage = "starting"
-        self._told: str | None = None
+        self._note: str | None = None
         self._cost: float | None = None
         self._bound: float | None = None
         self._found = 0
@@ -108,7 +108,7 @@ class Search:
             "bound": significant(bound),
             "gap": significant(gap),
             "found": self._found,
-            "told": self._told,
+            "note": self._note,
         }
 
     def begin(self, crew: Crew) -> None:
@@ -148,7 +148,7 @@ class Search:
                     return
                 ticking = asyncio.get_running_loop().create_task(self._tick())
                 try:
-                    ended = await worker.run("plan", self.asked, told=self._take)
+                    ended = await worker.run("plan", self.asked, listener=self._take)
                 finally:
                     ticking.cancel()
                     self._worker = None
@@ -168,8 +168,8 @@ class Search:
         self._bound = max(bounds, default=self._bound)
         self._improved(self, plan, ended)
         # A page has a button for it.
-        told = plan.status_sentence.replace(" (Ctrl-C)", "").replace("Ctrl-C", "Stop")
-        self._end(told)
+        note = plan.status_sentence.replace(" (Ctrl-C)", "").replace("Ctrl-C", "Stop")
+        self._end(note)
 
     def _fail(self, error: CallError) -> None:
         """Take an end without an answer."""
@@ -180,11 +180,11 @@ class Search:
         kept = "; the best plan so far is kept" if self._found else ""
         self._end(f"{error}{kept}")
 
-    def _end(self, told: str) -> None:
+    def _end(self, note: str) -> None:
         """Be over."""
         self._ended = self._held_since or time.monotonic()
         self._held_since = None
-        self._is_over, self._told, self._stage = True, told, ""
+        self._is_over, self._note, self._stage = True, note, ""
         self._changed(self)
 
     def _give_up(self) -> None:

@@ -9,7 +9,7 @@ from radmpc.records import dataclass
 from radmpc.serving.failures import CallError
 from radmpc.serving.protocol import DocumentState
 
-__all__ = ["Changed", "forget", "known"]
+__all__ = ["Changed", "forget", "thing_of"]
 
 _Thing = TypeVar("_Thing")
 
@@ -27,7 +27,7 @@ class Changed:
     state: DocumentState
 
 
-def known(things: Mapping[str, _Thing], number: str, kind: str) -> _Thing:
+def thing_of(things: Mapping[str, _Thing], number: str, kind: str) -> _Thing:
     """Return a thing by its name.
 
     Parameters

@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 from radmpc.serving.failures import CallError
-from radmpc.serving.processes.worker import Told, Worker
+from radmpc.serving.processes.worker import Listener, Worker
 
 __all__ = ["Crew"]
 
@@ -68,7 +68,9 @@ class Crew:
             else:
                 worker.kill()
 
-    async def run(self, job: str, *args: object, seconds: float, told: Told | None = None) -> Any:
+    async def run(
+        self, job: str, *args: object, seconds: float, listener: Listener | None = None
+    ) -> Any:
         """Have a job done that takes a moment; a worker that takes longer is killed.
 
         Parameters
@@ -79,8 +81,8 @@ class Crew:
             What it takes.
         seconds : float
             When to give up [s].
-        told : callable or None
-            Told its news.
+        listener : callable or None
+            Given its news.
 
         Raises
         ------
@@ -89,7 +91,7 @@ class Crew:
         """
         try:
             async with self.worker() as worker, asyncio.timeout(seconds):
-                return await worker.run(job, *args, told=told)
+                return await worker.run(job, *args, listener=listener)
         except TimeoutError:
             raise CallError("limit", f"it took more than {seconds:g} s") from None
 

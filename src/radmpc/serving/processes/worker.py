@@ -16,9 +16,9 @@ from typing import Any
 from radmpc.serving.failures import CallError, refused
 from radmpc.serving.work.main import work
 
-__all__ = ["DiedError", "Told", "Worker"]
+__all__ = ["DiedError", "Listener", "Worker"]
 
-Told = Callable[[str, Any], None]
+Listener = Callable[[str, Any], None]
 """Takes what kind of news it is, and the news, in the server's own thread."""
 
 _CONTEXT: SpawnContext = multiprocessing.get_context("spawn")
@@ -44,7 +44,7 @@ class Worker:
         self._paused = _CONTEXT.RawValue("d", 0.0)
         self._held_since: float | None = None
         self._answer: asyncio.Future[Any] | None = None
-        self._told: Told | None = None
+        self._listener: Listener | None = None
         self._loop = asyncio.get_running_loop()
         args = (theirs, self._stop, self._paused)
         self._process = _CONTEXT.Process(target=work, args=args, daemon=True)
@@ -69,7 +69,7 @@ class Worker:
         """Whether it stands still."""
         return self._held_since is not None
 
-    async def run(self, job: str, *args: object, told: Told | None = None) -> Any:
+    async def run(self, job: str, *args: object, listener: Listener | None = None) -> Any:
         """Have a job done.
 
         Parameters
@@ -78,8 +78,8 @@ class Worker:
             One of the worker's `JOBS`.
         *args : object
             What it takes.
-        told : callable or None
-            Told its news.
+        listener : callable or None
+            Given its news.
 
         Returns
         -------
@@ -92,7 +92,7 @@ class Worker:
             With what the job says, or that the worker died.
         """
         self._stop.value = 0
-        self._told, self._answer = told, self._loop.create_future()
+        self._listener, self._answer = listener, self._loop.create_future()
         self.jobs += 1
         answer = self._answer
         try:
@@ -102,7 +102,7 @@ class Worker:
         except (BrokenPipeError, OSError):
             raise DiedError from None
         finally:
-            self._told = self._answer = None
+            self._listener = self._answer = None
 
     def stop(self) -> None:
         """Ask the job to end with what it has."""
@@ -153,9 +153,9 @@ class Worker:
 
     def _take(self, kind: str, news: Any) -> None:
         """Take what came, in the server's thread."""
-        if kind == "told":
-            if self._told is not None:
-                self._told(*news)
+        if kind == "news":
+            if self._listener is not None:
+                self._listener(*news)
             return
         if self._answer is None or self._answer.done():
             return

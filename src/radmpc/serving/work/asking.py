@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from radmpc.arguments import told
+from radmpc.arguments import value_text
 from radmpc.errors import ScenarioError
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass, replace
@@ -74,7 +74,7 @@ def check_planner(name: str) -> None:
 
     match = _NAME.fullmatch(name)
     if match is None or match[1] not in PRESETS:
-        raise ScenarioError(f"planner must be one of {', '.join(PRESETS)}, got {told(name)}")
+        raise ScenarioError(f"planner must be one of {', '.join(PRESETS)}, got {value_text(name)}")
 
 
 def asked_planner(asked: Asked) -> Planner:

@@ -62,7 +62,7 @@ def work(line: Connection, stop: Flags, paused: Flags) -> None:
         with lock:
             line.send(message)
 
-    control = Control(lambda kind, news: send(("told", (kind, news))), stop)
+    control = Control(lambda kind, news: send(("news", (kind, news))), stop)
     while True:
         try:
             job, args = line.recv()

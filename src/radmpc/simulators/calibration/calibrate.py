@@ -60,7 +60,7 @@ def calibrate(
     missions: int = 20,
     seed: int = 0,
     day: str,
-    told: Callable[[int], None] | None = None,
+    progress: Callable[[int], None] | None = None,
 ) -> Calibration:
     """Fly a plan, and return its scenario with the noise that explains the missions.
 
@@ -76,7 +76,7 @@ def calibrate(
         Of all noise.
     day : str
         When, for the scenario's ``source``.
-    told : callable or None
+    progress : callable or None
         Is told how many have been flown, after each.
 
     Returns
@@ -96,7 +96,7 @@ def calibrate(
         If the scenario is none for missions, or for the simulator.
     """
     orders = [_order(plan.scenario, i) for i in range(plan.scenario.num_vehicles)]
-    made = flown(plan, making, missions, seed, told)
+    made = flown(plan, making, missions, seed, progress)
     tracks = _tracks(plan.scenario, made, orders)
     found = identify(tracks, dt=plan.scenario.dt)
     strays = [

@@ -54,7 +54,7 @@ def flown(
     making: Making,
     missions: int,
     seed: int,
-    told: Callable[[int], None] | None = None,
+    progress: Callable[[int], None] | None = None,
 ) -> tuple[Flight, ...]:
     """Fly a plan as it is, feedback and all, and never plan anew.
 
@@ -68,7 +68,7 @@ def flown(
         How many, at least 1.
     seed : int
         Of all noise, at least 0.
-    told : callable or None
+    progress : callable or None
         Is told how many have been flown, after each.
 
     Raises
@@ -86,8 +86,8 @@ def flown(
     made = []
     for number in range(missions):
         made.append(fly(Mission(plan, planner=None), backend))
-        if told is not None:
-            told(number + 1)
+        if progress is not None:
+            progress(number + 1)
     return tuple(made)
 
 

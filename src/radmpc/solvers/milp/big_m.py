@@ -13,7 +13,7 @@ import time
 import numpy as np
 from scipy.sparse import block_array, coo_array, csr_array, eye_array
 
-from radmpc.arguments import told
+from radmpc.arguments import value_text
 from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.program.program import DisjunctiveProgram
@@ -55,7 +55,7 @@ class BigM(Solver):
         """Refuse unknown backends."""
         if not (isinstance(self.backend, str) and self.backend in BACKENDS):
             names = ", ".join(BACKENDS)
-            raise ScenarioError(f"backend must be one of {names}, got {told(self.backend)}")
+            raise ScenarioError(f"backend must be one of {names}, got {value_text(self.backend)}")
 
     def __str__(self) -> str:
         return "big_m" if self.backend == "highs" else f"big_m({self.backend})"

@@ -19,7 +19,7 @@ def search_around(
     slacks: Vector,
     best: Incumbent | None,
     *,
-    move: float,
+    longest_step: float,
     unit: float,
     price: float,
     scale: float,
@@ -37,7 +37,7 @@ def search_around(
         Slack of each row along the path [m].
     best : Incumbent or None
         A plan to beat.
-    move : float
+    longest_step : float
         The longest move from step to step [m], the measure of what is near.
     unit, price : float
         Risk budget, and the cost of risking it: the Lagrange multiplier of the risk bound.
@@ -57,7 +57,7 @@ def search_around(
     """
     if rater.is_infeasible:
         return best
-    held = _held(rater, slacks, move, is_rigid=is_rigid)
+    held = _held(rater, slacks, longest_step, is_rigid=is_rigid)
     tree = RiskTree(
         rater.program, unit, price, gap=TUNING.around_gap, scale=scale, limits=limits, rater=rater
     )
@@ -66,7 +66,7 @@ def search_around(
     return tree.best
 
 
-def _held(rater: Rater, slacks: Vector, move: float, *, is_rigid: bool) -> tuple[int, ...]:
+def _held(rater: Rater, slacks: Vector, longest_step: float, *, is_rigid: bool) -> tuple[int, ...]:
     """Return the alternatives of most slack near the path; in doubt none, unless rigid."""
     program = rater.program
     if program.num_avoidances == 0:
@@ -78,8 +78,9 @@ def _held(rater: Rater, slacks: Vector, move: float, *, is_rigid: bool) -> tuple
     first = slack[every, places]
     slack[every, places] = -np.inf
     second = slack.max(axis=1)
-    is_held = (first < TUNING.far_slack * move) & (second <= first - TUNING.open_slack * move)
+    far, open_by = TUNING.far_slack * longest_step, TUNING.open_slack * longest_step
+    is_held = (first < far) & (second <= first - open_by)
     if is_rigid:
-        is_held = first < TUNING.far_slack * move
+        is_held = first < far
     best = rater.table[every, places]
     return tuple(int(alternative) for alternative in best[is_held])

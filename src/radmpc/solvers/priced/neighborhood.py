@@ -44,7 +44,7 @@ class Neighborhood:
         Values below this count as this in relative gaps.
     limits : Limits
         When to stop early.
-    move : float
+    longest_step : float
         The longest move from step to step [m].
     least : sequence of float
         Lower bound on every block's value, alone: a block that attains it is not planned anew.
@@ -57,7 +57,7 @@ class Neighborhood:
     price: float
     scale: float
     limits: Limits
-    move: float
+    longest_step: float
     least: Sequence[float]
     seek: Seek | None = None
 
@@ -201,7 +201,7 @@ class Neighborhood:
             tree.rater,
             tree.program.slacks(best.z),
             best,
-            move=self.move,
+            longest_step=self.longest_step,
             unit=self.unit,
             price=self.price,
             scale=self.scale,

@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.sparse import csr_array
 
-from radmpc.arguments import is_integer, told
+from radmpc.arguments import is_integer, value_text
 from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.program.program import DisjunctiveProgram
@@ -55,7 +55,7 @@ class Rrt(Solver):
     def __post_init__(self) -> None:
         """Refuse trees without a root."""
         if not (is_integer(self.max_nodes) and self.max_nodes >= 1):
-            raise ScenarioError(f"max_nodes must be at least 1, got {told(self.max_nodes)}")
+            raise ScenarioError(f"max_nodes must be at least 1, got {value_text(self.max_nodes)}")
 
     def __str__(self) -> str:
         return "rrt"

@@ -89,7 +89,7 @@ class Passage:
         if path is None:
             return None
         room = np.tile(TUNING.earliest_tube * path_search.motion.longest, len(path))
-        program = along(self.rater.program, path_search.places, path.ravel(), room)
+        program = along(self.rater.program, path_search.output_slice, path.ravel(), room)
         rater = Rater(program, unit)
         found = self._along(
             rater, path, _Pace(price * unit, delay_cost, limits, TUNING.nodes_along)
@@ -113,7 +113,7 @@ class Passage:
         """Return a plan with the alternatives that a path satisfies, where these are clear."""
         program = rater.program
         outputs = program.constant.copy()
-        outputs[self.path_search.places] = path.ravel()
+        outputs[self.path_search.output_slice] = path.ravel()
         outputs[program.num_positions :] = 0.0
         slacks = program.rows.offsets - program.rows.normals @ outputs
         found = self._around(rater, slacks, None, pace)
@@ -138,7 +138,7 @@ class Passage:
             rater,
             slacks,
             beat,
-            move=float(self.path_search.motion.longest.max()),
+            longest_step=float(self.path_search.motion.longest.max()),
             unit=self.path_search.unit,
             price=pace.unit_price,
             scale=pace.scale,

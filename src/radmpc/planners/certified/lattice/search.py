@@ -21,7 +21,7 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes, half_planes_of
 from radmpc.planners.certified.lattice.motion import Motion
-from radmpc.planners.certified.lattice.moves import (
+from radmpc.planners.certified.lattice.positions import (
     Lattice,
     coarse_lattice,
     finer_lattice,
@@ -88,7 +88,7 @@ class PathSearch:
         return self.motion.is_planar and is_direct and not self.program.num_visits
 
     @property
-    def places(self) -> slice:
+    def output_slice(self) -> slice:
         """The outputs that are the vehicle's positions, step by step."""
         return slice(self.first, self.first + 2 * (self.model.horizon + 1))
 
@@ -110,7 +110,7 @@ class PathSearch:
             Positions [m]; None where the lattice has no path, or none was found in time.
         """
         if not self._avoidances:
-            self._avoidances = half_planes_of(self.program, self.model.horizon, self.places)
+            self._avoidances = half_planes_of(self.program, self.model.horizon, self.output_slice)
             for avoidance in (avoidance for at in self._avoidances for avoidance in at):
                 largest = self._deviations.get(avoidance.key, 0.0)
                 self._deviations[avoidance.key] = max(largest, avoidance.deviation)
@@ -124,15 +124,15 @@ class PathSearch:
     def _refined_path(self, price: float, delay_cost: float, limits: Limits) -> Matrix | None:
         """Seek a path, on finer lattices where coarser ones have none, from then on there alone."""
         while True:
-            moves = TUNING.moves[min(self.level, len(TUNING.moves) - 1)]
-            lattice = coarse_lattice(self.model, self._avoidances, self.motion.longest, moves)
-            if self.level == len(TUNING.moves):
+            reach = TUNING.reaches[min(self.level, len(TUNING.reaches) - 1)]
+            lattice = coarse_lattice(self.model, self._avoidances, self.motion.longest, reach)
+            if self.level == len(TUNING.reaches):
                 # Narrow passages may lie between the lines.
                 lattice = snapped_lattice(lattice, self._avoidances)
             cells = self._search(lattice, price, delay_cost, limits)
             if cells is not None:
                 break
-            if limits.reached or self.is_coarse_only or self.level == len(TUNING.moves):
+            if limits.reached or self.is_coarse_only or self.level == len(TUNING.reaches):
                 return None
             self.level += 1
         if lattice.lines is None:
@@ -146,12 +146,12 @@ class PathSearch:
     ) -> Indices | None:
         """Return the cheapest path over a lattice, (T+1, 2) cells from the start."""
         motion, horizon = self.motion, self.model.horizon
-        moves = np.diff(lattice.reference, axis=0)
-        width = 2 * lattice.moves + 1
+        displacements = np.diff(lattice.reference, axis=0)
+        width = 2 * lattice.reach + 1
         values = np.full((width, width, *lattice.shape), INFEASIBLE, dtype=np.float32)
         origin = -lattice.first
         values[(slice(None), slice(None), *origin)] = motion.first_costs(
-            moves[0] * lattice.stride, lattice.stride, lattice.moves
+            displacements[0] * lattice.stride, lattice.stride, lattice.reach
         )
         weight = np.float32(price)
         late = np.float32(delay_cost)
@@ -161,7 +161,9 @@ class PathSearch:
             if limits.reached:
                 return None
             if k > 0:
-                tables = motion.change_costs(moves[k - 1], moves[k], lattice.stride, lattice.moves)
+                tables = motion.change_costs(
+                    displacements[k - 1], displacements[k], lattice.stride, lattice.reach
+                )
                 values = changed(values, tables)
             risks, is_blocked = self._risks(lattice, k, known)
             values += weight * risks
@@ -177,21 +179,25 @@ class PathSearch:
 
     def _traced(self, lattice: Lattice, arrivals: list[Float32]) -> Indices:
         """Follow the cheapest path back from its end."""
-        moves = np.diff(lattice.reference, axis=0)
+        displacements = np.diff(lattice.reference, axis=0)
         last = np.unravel_index(int(arrivals[-1].argmin()), arrivals[-1].shape)
-        move, place = np.array(last[:2]), np.array(last[2:])
-        places = [place]
+        displacement, cell = np.array(last[:2]), np.array(last[2:])
+        cells = [cell]
         for k in range(self.model.horizon - 1, -1, -1):
-            place = place - (move - lattice.moves)
-            places.append(place)
+            cell = cell - (displacement - lattice.reach)
+            cells.append(cell)
             if k > 0:
                 tables = self.motion.change_costs(
-                    moves[k - 1], moves[k], lattice.stride, lattice.moves
+                    displacements[k - 1], displacements[k], lattice.stride, lattice.reach
                 )
-                total = arrivals[k - 1][:, :, place[0], place[1]]
-                total = total + tables[0][move[0]][:, None] + tables[1][move[1]][None, :]
-                move = np.array(np.unravel_index(int(total.argmin()), total.shape))
-        return np.asarray(places[::-1] + lattice.first + lattice.reference)
+                total = arrivals[k - 1][:, :, cell[0], cell[1]]
+                total = (
+                    total
+                    + tables[0][displacement[0]][:, None]
+                    + tables[1][displacement[1]][None, :]
+                )
+                displacement = np.array(np.unravel_index(int(total.argmin()), total.shape))
+        return np.asarray(cells[::-1] + lattice.first + lattice.reference)
 
     def _within_reach(self, lattice: Lattice, k: int) -> np.ndarray:
         """Whether positions lie in the vehicle's reach at a step, up to half a cell."""
@@ -220,17 +226,17 @@ class PathSearch:
 
         What stands still is measured once: `known` keeps it from window to window.
         """
-        width = 2 * lattice.moves + 1
+        width = 2 * lattice.reach + 1
         shape = (width, width, *lattice.shape)
         risks = np.zeros(width * width * lattice.shape[0] * lattice.shape[1])
         is_blocked = np.zeros(risks.shape, dtype=np.bool_)
         here = lattice.reference[k]
-        move = lattice.reference[k + 1] - here
+        displacement = lattice.reference[k + 1] - here
         for avoidance in self._avoidances[k]:
-            key = (avoidance.key, *here, *move)
+            key = (avoidance.key, *here, *displacement)
             if key not in known:
                 bounds = self._slack_bounds(avoidance)
-                known[key] = slacks_of(lattice, here, move, avoidance, bounds)
+                known[key] = slacks_of(lattice, here, displacement, avoidance, bounds)
             slacks = known[key]
             blocked = slacks.blocked(risks.size)
             if blocked is not None:

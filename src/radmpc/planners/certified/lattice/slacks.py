@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Indices, Vector
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes
-from radmpc.planners.certified.lattice.moves import Lattice
+from radmpc.planners.certified.lattice.positions import Lattice
 from radmpc.records import dataclass
 
 __all__ = ["Slacks", "slacks_of"]
@@ -48,7 +48,7 @@ class Slacks:
 def slacks_of(
     lattice: Lattice,
     reference: Indices,
-    move: Indices,
+    displacement: Indices,
     avoidance: AvoidanceHalfPlanes,
     bounds: tuple[float, float],
 ) -> Slacks:
@@ -58,7 +58,7 @@ def slacks_of(
     ----------
     lattice : Lattice
         Of positions and displacements.
-    reference, move : (2,) array
+    reference, displacement : (2,) array
         Where the lattice lies, and by how much it moves in this window [cells].
     avoidance : AvoidanceHalfPlanes
         The obstacle, in this window.
@@ -68,7 +68,7 @@ def slacks_of(
     least, little = bounds
     axes = lattice.axes(reference)
     # Cells from which no displacement leads near are cut away first.
-    longest = (lattice.moves + np.abs(move)) * lattice.stride
+    longest = (lattice.reach + np.abs(displacement)) * lattice.stride
     rough = np.full(lattice.shape, -np.inf)
     for here, ahead in zip(avoidance.here, avoidance.ahead, strict=True):
         slack = np.full(lattice.shape, np.inf)
@@ -77,7 +77,9 @@ def slacks_of(
             slack = np.minimum(slack, room - np.abs(plane[:2]) @ longest)
         rough = np.maximum(rough, slack)
     x, y = np.nonzero(rough < little)
-    steps = np.array(list(product(range(-lattice.moves, lattice.moves + 1), repeat=2))) + move
+    steps = (
+        np.array(list(product(range(-lattice.reach, lattice.reach + 1), repeat=2))) + displacement
+    )
     points = np.column_stack([axes[0][x], axes[1][y]])
     reached = lattice.reached(points, (x, y), steps)
     best = np.full((len(steps), x.size), -np.inf)

@@ -74,9 +74,9 @@ def shifted(values: Float32) -> Float32:
     """Return values by displacement and position, (w, w, a, b), at the positions they lead to."""
     result = np.full_like(values, INFEASIBLE)
     rows, columns = values.shape[2:]
-    moves = values.shape[0] // 2
+    reach = values.shape[0] // 2
     for i, j in product(range(values.shape[0]), range(values.shape[1])):
-        here, ahead = _overlap(rows, i - moves), _overlap(columns, j - moves)
+        here, ahead = _overlap(rows, i - reach), _overlap(columns, j - reach)
         result[i, j][here[1], ahead[1]] = values[i, j][here[0], ahead[0]]
     return result
 

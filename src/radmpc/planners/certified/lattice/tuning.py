@@ -15,7 +15,7 @@ class Tuning:
 
     Attributes
     ----------
-    moves_around : int
+    displacements_around : int
         Cells by which a displacement may differ from that of the path which is refined [-].
     max_cells : int
         Positions of a coarse lattice at most [-]: its cells grow until it has no more.
@@ -23,7 +23,7 @@ class Tuning:
         Cells on each side of a path within which the next, finer one is sought [-].
     narrow : float
         Width of gaps up to which their middles get a line of their own [cells].
-    moves : tuple of int
+    reaches : tuple of int
         Cells that the longest displacement covers [-]; more where a coarser lattice has no path.
     near : float
         Share of the unit below which a risk counts as nothing [-].
@@ -39,11 +39,11 @@ class Tuning:
         Share of the risk bound that the earliest plan may risk to gain a step [-].
     """
 
-    moves_around: int = 3
+    displacements_around: int = 3
     max_cells: int = 20_000
     tube: int = 4
     narrow: float = 3.0
-    moves: tuple[int, ...] = (3, 6)
+    reaches: tuple[int, ...] = (3, 6)
     near: float = 1e-5
     nodes: int = 50
     nodes_along: int = 150

@@ -14,7 +14,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.phases.tuning import TUNING
-from radmpc.planners.certified.proof.grouping import Known
+from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.rounds import merge_worst
 from radmpc.planners.certified.state.bounds import reported_bound
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
@@ -42,14 +42,14 @@ class Ahead:
         No plan that the referee would certify costs less.
     is_closed : bool
         Whether the gap asked for is proven, and the gap to any certified plan is not large.
-    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+    proven : mapping of tuple of int to mapping of tuple of int to RelaxedSet
         Where the relaxation is searched on.
     """
 
     state: SearchState
     on_any: float
     is_closed: bool
-    known: Known = field(default_factory=dict)
+    proven: Proven = field(default_factory=dict)
 
 
 def prove_ahead(
@@ -96,7 +96,7 @@ def prove_ahead(
         around.bound_faces()
     _tell(fleet, around.state, around.on_any)
     on_any = min(around.on_any, around.state.incumbent.cost)
-    return Ahead(around.state, on_any, is_near and around.is_proven, around.known)
+    return Ahead(around.state, on_any, is_near and around.is_proven, around.proven)
 
 
 def _kept_together(fleet: Fleet) -> tuple[Members, ...]:

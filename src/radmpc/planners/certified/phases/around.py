@@ -7,7 +7,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.merging import owners_of
 from radmpc.planners.certified.phases.tuning import TUNING
-from radmpc.planners.certified.proof.grouping import Known
+from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.search import BoundSearch
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.rounds import merge_worst
@@ -40,7 +40,7 @@ class Around:
         The plan of the relaxation that half-spaces were turned to last; empty before.
     price : float or None
         Shadow price of the risk that the relaxation was searched at; None before.
-    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+    proven : mapping of tuple of int to mapping of tuple of int to RelaxedSet
         How far the relaxation is searched.
     """
 
@@ -50,7 +50,7 @@ class Around:
     on_any: float = 0.0
     turned_to: tuple[Matrix, ...] = ()
     price: float | None = None
-    known: Known = field(default_factory=dict)
+    proven: Proven = field(default_factory=dict)
 
     @property
     def gap(self) -> float:
@@ -86,7 +86,7 @@ class Around:
         while effort < TUNING.rounds:
             is_open = search.advance(TUNING.nodes, effort, parts)
             self.on_any = max(self.on_any, search.best)
-            self.price, self.known = search.price, search.known
+            self.price, self.proven = search.price, search.proven
             before = frozenset(search.order)
             if not search.is_over and self._has_merged(search):
                 parts = tuple(members for members in search.order if members not in before)
@@ -116,8 +116,8 @@ class Around:
 
         Or is much cheaper, by less risk: half-spaces may be stuck on the same sides, too.
         """
-        known = self.turned_to or self.state.incumbent.controls
-        if on_other_sides(self.fleet.programs.hazards, known, other, TUNING.same_side):
+        proven = self.turned_to or self.state.incumbent.controls
+        if on_other_sides(self.fleet.programs.hazards, proven, other, TUNING.same_side):
             return True
         incumbent = self.state.incumbent
         return not self.turned_to and relative_gap(incumbent.cost, search.value) > self.gap
@@ -152,7 +152,7 @@ class Around:
         # At the price of the relaxation, whose values serve here.
         price = self._price() if self.price is None else self.price
         search = BoundSearch(
-            fleet, incumbent, price, base, self.most_nodes, is_by_faces=True, below=self.known
+            fleet, incumbent, price, base, self.most_nodes, is_by_faces=True, below=self.proven
         )
         search.run()
         bounds = (*self.state.budget_bounds, (left, min(search.best, incumbent.cost)))

@@ -11,7 +11,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.ended import ended
 from radmpc.planners.certified.phases.time_shares import limits_of_search
-from radmpc.planners.certified.proof.grouping import Known
+from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.bounds import finite
@@ -54,7 +54,7 @@ class SearchResult:
         What the proof around the first plan says that any certified plan costs at least.
     is_closed : bool
         Whether that proof made the search needless.
-    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+    proven : mapping of tuple of int to mapping of tuple of int to RelaxedSet
         Where that proof is taken up again.
     """
 
@@ -65,7 +65,7 @@ class SearchResult:
     stopped_by: str | None
     on_any: float = -np.inf
     is_closed: bool = False
-    known: Known = field(default_factory=dict)
+    proven: Proven = field(default_factory=dict)
 
 
 def searched(
@@ -99,13 +99,13 @@ def searched(
     if not fleet.programs.build_alone(run.limits):
         return _cut_off(search, state, first, run.limits)
     on_any = float(sum(fleet.base))
-    known: Known = {}
+    proven: Proven = {}
     if is_tight and first.controls:
         from radmpc.planners.certified.phases.ahead import prove_ahead  # noqa: PLC0415 - not along intervals
 
         run.progress("proving", 0, 1)
         ahead = prove_ahead(fleet, first, run.judge, proof_seconds)
-        first, on_any, known = ahead.state.incumbent, ahead.on_any, ahead.known
+        first, on_any, proven = ahead.state.incumbent, ahead.on_any, ahead.proven
         if ahead.is_closed:
             return SearchResult(search, ahead.state, first, None, None, on_any, True)
         state = replace(state, budget_bounds=ahead.state.budget_bounds)
@@ -114,14 +114,14 @@ def searched(
     # Turning has time of its own, reserved beforehand.
     stopped_by = begin.reason or None
     if state.has_plan:
-        return SearchResult(search, state, first, None, stopped_by, on_any, known=known)
+        return SearchResult(search, state, first, None, stopped_by, on_any, proven=proven)
     from radmpc.planners.certified.fallbacks import last_resort  # noqa: PLC0415 - few need it
 
     limits = begin if first.controls else run.limits
     last = last_resort(search.with_limits(limits), state, is_persistent=is_persistent)
     stopped_by = stopped_by or begin.reason or None
     found = SearchResult(last.search, last.state, first, last.answer, stopped_by, on_any)
-    return replace(found, known=known)
+    return replace(found, proven=proven)
 
 
 def _cut_off(

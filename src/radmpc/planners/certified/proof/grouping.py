@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     # Who meets nobody needs no relaxation.
     from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 
-__all__ = ["Known", "bounds_within", "known_within", "parts_of"]
+__all__ = ["Proven", "bounds_within", "parts_of", "proven_within"]
 
-Known = Mapping[Members, Mapping[Members, "RelaxedSet"]]
+Proven = Mapping[Members, Mapping[Members, "RelaxedSet"]]
 """What is known of parts of a fleet, by the vehicles' places in each."""
 
 
@@ -38,14 +38,14 @@ def parts_of(sets: Sequence[Members]) -> tuple[Members, ...]:
     return tuple(parts)
 
 
-def known_within(members: Members, known: Known) -> dict[Members, RelaxedSet]:
+def proven_within(members: Members, proven: Proven) -> dict[Members, RelaxedSet]:
     """Return what searches of smaller parts have proven of vehicles of another part.
 
     Parameters
     ----------
     members : tuple of int
         The vehicles of the other part, ascending.
-    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+    proven : mapping of tuple of int to mapping of tuple of int to RelaxedSet
         What is known of parts.
 
     Returns
@@ -56,20 +56,20 @@ def known_within(members: Members, known: Known) -> dict[Members, RelaxedSet]:
     place = {i: number for number, i in enumerate(members)}
     return {
         tuple(place[part[block]] for block in blocks): found
-        for part, sets in known.items()
+        for part, sets in proven.items()
         if set(part) <= set(members)
         for blocks, found in sets.items()
     }
 
 
-def bounds_within(members: Members, known: Known, price: float) -> dict[Members, float]:
+def bounds_within(members: Members, proven: Proven, price: float) -> dict[Members, float]:
     """Return the bounds on vehicles of a part that searches of smaller parts have proven.
 
     Parameters
     ----------
-    members, known
-        As in `known_within`.
+    members, proven
+        As in `proven_within`.
     price : float
         Cost per unit of probability that the bounds are to hold at.
     """
-    return {blocks: one.bound_at(price) for blocks, one in known_within(members, known).items()}
+    return {blocks: one.bound_at(price) for blocks, one in proven_within(members, proven).items()}

@@ -142,14 +142,14 @@ class PartTask:
     ----------
     part : Part
         The vehicles.
-    known : mapping of tuple of int to RelaxedSet
+    proven : mapping of tuple of int to RelaxedSet
         What is known of some of them, by their places in the part.
     order : PartOrder
         What is asked.
     """
 
     part: Part
-    known: Mapping[Members, RelaxedSet]
+    proven: Mapping[Members, RelaxedSet]
     order: PartOrder
 
 

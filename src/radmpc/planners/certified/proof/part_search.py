@@ -33,7 +33,7 @@ def search_part(task: PartTask, limits: Limits) -> PartAnswer:
     PartAnswer
         What is known then; the same wherever it was searched, unless a limit ended it.
     """
-    search = _PartSearch(task.part, task.order, limits, dict(task.known))
+    search = _PartSearch(task.part, task.order, limits, dict(task.proven))
     is_new = search.advance(tuple(range(len(task.part.members))))
     return PartAnswer(search.sets, search.nodes, is_new)
 
@@ -56,17 +56,17 @@ class _PartSearch:
 
     def advance(self, blocks: Members) -> bool:
         """Search a set on, smaller ones before; tell whether there was anything to do."""
-        order, known = self.order, self.sets.get(blocks)
+        order, proven = self.order, self.sets.get(blocks)
         if self._has_spent:
             return False
-        if known is None and self.part.paid_for_hazards(blocks) <= order.worth:
+        if proven is None and self.part.paid_for_hazards(blocks) <= order.worth:
             return False
-        if known is None:
+        if proven is None:
             most = self._most_value(blocks) if self.part.is_narrowed else float("inf")
-            known = self._relaxed(blocks, most)
-        is_here = known.price == order.price
-        is_done = known.is_trivial or known.bound == float("inf")
-        if is_here and (is_done or known.value - known.bound <= order.worth):
+            proven = self._relaxed(blocks, most)
+        is_here = proven.price == order.price
+        is_done = proven.is_trivial or proven.bound == float("inf")
+        if is_here and (is_done or proven.value - proven.bound <= order.worth):
             return False
         bounds: list[SetBound] = []
         for size in range(1, min(len(blocks), 3)):
@@ -79,10 +79,10 @@ class _PartSearch:
             bounds.append(SetBound(frozenset(range(len(blocks))), self.part.below[blocks]))
         if any(bound.value == float("inf") for bound in bounds):
             # Some of them have no plan by faces at any price, so all together have none.
-            self.sets[blocks] = replace(known, price=order.price, bound=float("inf"))
+            self.sets[blocks] = replace(proven, price=order.price, bound=float("inf"))
             return True
         left = max(order.most_nodes - self.nodes, 1)
-        self._search_on(blocks, known, tuple(bounds), int(min(order.nodes * len(blocks), left)))
+        self._search_on(blocks, proven, tuple(bounds), int(min(order.nodes * len(blocks), left)))
         return True
 
     def _bound_of(self, blocks: Members) -> float | None:
@@ -90,33 +90,33 @@ class _PartSearch:
         if blocks in self.part.below:
             return self.part.below[blocks]
         self.advance(blocks)
-        known = self.sets.get(blocks)
-        return known.bound if known is not None and known.price == self.order.price else None
+        proven = self.sets.get(blocks)
+        return proven.bound if proven is not None and proven.price == self.order.price else None
 
     def _search_on(
-        self, blocks: Members, known: RelaxedSet, bounds: tuple[SetBound, ...], share: int
+        self, blocks: Members, proven: RelaxedSet, bounds: tuple[SetBound, ...], share: int
     ) -> None:
         """Search a set for so many nodes, up to one value after the other."""
-        order, last = self.order, known.nodes + share
+        order, last = self.order, proven.nodes + share
         models = [self.part.models[block] for block in blocks]
         hint = point_of(models, [self.part.controls[block] for block in blocks])
         is_whole = len(blocks) == len(self.part.members)
         enough = order.enough if is_whole else float("inf")
         is_over = False
         while not is_over:
-            most = self._next_most(blocks, known)
+            most = self._next_most(blocks, proven)
             if most is not None:
-                known = self._relaxed(blocks, most).continued(known)
-            nodes = last - known.nodes
-            first = TUNING.try_nodes * len(blocks) - known.nodes
-            if self.part.is_narrowed and known.widenings == 0 and first > 0:
+                proven = self._relaxed(blocks, most).continued(proven)
+            nodes = last - proven.nodes
+            first = TUNING.try_nodes * len(blocks) - proven.nodes
+            if self.part.is_narrowed and proven.widenings == 0 and first > 0:
                 nodes = min(nodes, first)
             limits, price = self.limits, order.price
-            found = known.searched(limits, price, bounds, order.gap, nodes, hint, enough)
-            self.nodes += found.nodes - known.nodes
-            known = self.sets[blocks] = found
-            is_done = known.nodes >= last or known.bound >= enough or self.limits.reached
-            is_over = is_done or self._next_most(blocks, known) is None
+            found = proven.searched(limits, price, bounds, order.gap, nodes, hint, enough)
+            self.nodes += found.nodes - proven.nodes
+            proven = self.sets[blocks] = found
+            is_done = proven.nodes >= last or proven.bound >= enough or self.limits.reached
+            is_over = is_done or self._next_most(blocks, proven) is None
 
     def _relaxed(self, blocks: Members, most: float) -> RelaxedSet:
         """Build a set's relaxation; among many obstacles with the reach of plans up to a value.
@@ -142,30 +142,30 @@ class _PartSearch:
             return RelaxedSet.by_faces(scenario, models, base, most)
         return RelaxedSet.of(scenario, models, base, part.tails, self.order.num_directions, most)
 
-    def _next_most(self, blocks: Members, known: RelaxedSet) -> float | None:
+    def _next_most(self, blocks: Members, proven: RelaxedSet) -> float | None:
         """Return the value up to which a set is searched next; None to go on as it is.
 
         A search up to a lower value is over much sooner: reach is narrower. So after a first try
         such values are proven one after the other, each a share of what is left above the last.
         """
-        if not self.part.is_narrowed or known.is_trivial:
+        if not self.part.is_narrowed or proven.is_trivial:
             return None
         gap, final = self.order.gap, self._most_value(blocks)
-        if known.widenings == 0:
-            is_over = known.nodes >= TUNING.try_nodes * len(blocks)
+        if proven.widenings == 0:
+            is_over = proven.nodes >= TUNING.try_nodes * len(blocks)
         else:
-            is_over = known.most < final and known.bound >= known.most * (1.0 - 1.01 * gap)
-        left = min(known.value, final) - known.bound
+            is_over = proven.most < final and proven.bound >= proven.most * (1.0 - 1.01 * gap)
+        left = min(proven.value, final) - proven.bound
         if not is_over or left <= gap * final:
             return None
         step = TUNING.stage * left
-        if step > 2.0 * gap * final and left > TUNING.last_stage * (final - known.base):
-            return known.bound + step
-        return final if known.most < final else None
+        if step > 2.0 * gap * final and left > TUNING.last_stage * (final - proven.base):
+            return proven.bound + step
+        return final if proven.most < final else None
 
     def _most_value(self, blocks: Members) -> float:
         """Return what a set's value is at most at any price tried: its plan risks Δ at most."""
         base = sum(self.part.base[block] for block in blocks)
-        dearest = self.order.price * TUNING.most_move ** (TUNING.prices - 1)
+        dearest = self.order.price * TUNING.most_step ** (TUNING.prices - 1)
         paid = self.part.paid_for_hazards(blocks) + base
         return paid + dearest * self.part.scenario.risk_bound

@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.proof.grouping import Known
+from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.records import dataclass
@@ -37,7 +37,7 @@ def bound_on_any(
     incumbent: FleetIncumbent,
     price: float | None,
     most_nodes: float = float("inf"),
-    known: Known = MappingProxyType({}),
+    proven: Proven = MappingProxyType({}),
 ) -> Proof:
     """Return a lower bound on the cost of any plan that the referee would certify.
 
@@ -51,7 +51,7 @@ def bound_on_any(
         Its shadow price of Δ, per unit of probability; None where it is not known.
     most_nodes : float
         Nodes after which no set is searched on [-].
-    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+    proven : mapping of tuple of int to mapping of tuple of int to RelaxedSet
         What is known of parts, from the proof around another plan.
 
     Returns
@@ -66,6 +66,6 @@ def bound_on_any(
     # A vehicle that nothing stops costs no more than in empty space.
     from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - not who meets nobody
 
-    search = BoundSearch(fleet, incumbent, price or 0.0, base, most_nodes, known=dict(known))
+    search = BoundSearch(fleet, incumbent, price or 0.0, base, most_nodes, proven=dict(proven))
     search.run()
     return Proof(min(search.best, cost), search.relaxed_controls())

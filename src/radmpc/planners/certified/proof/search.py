@@ -11,7 +11,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
-from radmpc.planners.certified.proof.grouping import Known, bounds_within, known_within, parts_of
+from radmpc.planners.certified.proof.grouping import Proven, bounds_within, parts_of, proven_within
 from radmpc.planners.certified.proof.part import (
     Part,
     PartAnswer,
@@ -66,7 +66,7 @@ class BoundSearch:
         Tables of what a clearance is charged; None by faces.
     parts : dict of tuple of int to Part
         How far each part has come at the latest price.
-    known : dict of tuple of int to mapping of tuple of int to RelaxedSet
+    proven : dict of tuple of int to mapping of tuple of int to RelaxedSet
         What parts have built.
     order : tuple of tuple of int
         The parts, those that pay most for hazards first.
@@ -78,11 +78,11 @@ class BoundSearch:
     best: float
     most_nodes: float
     is_by_faces: bool = False
-    below: Known = field(default_factory=dict)
+    below: Proven = field(default_factory=dict)
     nodes: int = 0
     tails: Tails | None = field(init=False, default=None)
     parts: dict[Members, Part] = field(default_factory=dict)
-    known: dict[Members, Mapping[Members, RelaxedSet]] = field(default_factory=dict)
+    proven: dict[Members, Mapping[Members, RelaxedSet]] = field(default_factory=dict)
     order: tuple[Members, ...] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -101,7 +101,7 @@ class BoundSearch:
             A partition of the fleet.
         """
         parts = parts_of(sets)
-        self.known = {members: known_within(members, self.known) for members in parts}
+        self.proven = {members: proven_within(members, self.proven) for members in parts}
         self.order = tuple(sorted(parts, key=self._paid_for_hazards, reverse=True))
 
     def continue_from(self, incumbent: FleetIncumbent, price: float) -> None:
@@ -133,7 +133,7 @@ class BoundSearch:
         """Raise the bound, by more nodes, by another price, by more directions."""
         for number, num_directions in enumerate(TUNING.directions):
             if number:
-                self.known = {}
+                self.proven = {}
             for _ in range(TUNING.prices):
                 self._search(num_directions)
                 _LOG.info(
@@ -173,7 +173,7 @@ class BoundSearch:
 
     def _whole(self, members: Members) -> RelaxedSet | None:
         """Return what is known of a part as a whole, if anything."""
-        return self.known.get(members, {}).get(tuple(range(len(members))))
+        return self.proven.get(members, {}).get(tuple(range(len(members))))
 
     def _bound_of(self, members: Members) -> float:
         """Return the bound of a part at the present price."""
@@ -223,7 +223,7 @@ class BoundSearch:
             for members, answer in answers:
                 is_new |= answer.is_new
                 self.nodes += answer.nodes
-                self.known[members] = answer.sets
+                self.proven[members] = answer.sets
                 self.best = max(self.best, self._bound_here())
                 if self.is_over:
                     return False
@@ -268,7 +268,7 @@ class BoundSearch:
             self.parts[members] = replace(
                 part, below=bounds_within(members, self.below, self.price)
             )
-        return PartTask(self.parts[members], self.known.get(members, {}), order)
+        return PartTask(self.parts[members], self.proven.get(members, {}), order)
 
     def _answer_here(self, members: Members, order: PartOrder) -> PartAnswer:
         """Search a part in this process."""
@@ -296,5 +296,5 @@ class BoundSearch:
         ratio = sum(risks) / self.fleet.scenario.risk_bound
         if self.price <= 0.0 or 1.0 / TUNING.off < ratio < TUNING.off:
             return False
-        self.price *= min(max(ratio, 1.0 / TUNING.most_move), TUNING.most_move)
+        self.price *= min(max(ratio, 1.0 / TUNING.most_step), TUNING.most_step)
         return True

@@ -58,7 +58,7 @@ class Tuning:
         Factor by which the risk of the relaxed plans may miss Δ before another price is tried [-].
     prices : int
         Prices tried at most [-].
-    most_move : float
+    most_step : float
         Factor by which one price differs from the next at most [-].
     same_price : float
         Relative difference up to which a search goes on at its price with a cheaper plan [-].
@@ -88,7 +88,7 @@ class Tuning:
     futile: float = 0.3
     off: float = 1.5
     prices: int = 2
-    most_move: float = 2.0
+    most_step: float = 2.0
     same_price: float = 0.3
     least_nodes: int = 300
     node_share: float = 2.0

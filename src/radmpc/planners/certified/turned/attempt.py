@@ -29,8 +29,8 @@ class Begin:
         What is asked.
     alone : Paths
         What vehicles do by themselves.
-    ways : mapping of int to (p, d) array
-        The shortest ways around obstacles of those that these stop [m].
+    routes : mapping of int to (p, d) array
+        The shortest routes around obstacles of those that these stop [m].
     sets : tuple of tuple of int
         Who get in each other's way.
     price : float
@@ -45,7 +45,7 @@ class Begin:
 
     task: Task
     alone: Paths
-    ways: Mapping[int, Matrix]
+    routes: Mapping[int, Matrix]
     sets: tuple[tuple[int, ...], ...]
     price: float
     clearance: float

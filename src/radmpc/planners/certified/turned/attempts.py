@@ -39,7 +39,7 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     begin : Begin
         What attempts begin with.
     rng : Generator
-        Draws times, sides and joint ways.
+        Draws times, sides and joint routes.
     limits : Limits
         When to stop.
 
@@ -51,7 +51,7 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     hazards = begin.task.hazards
     best, least, found, is_known = None, np.inf, FleetIncumbent(), False
     # Every side is turned that may lead to the cheapest plan, and visits at better steps.
-    is_few = hazards.count <= TUNING.few and not (begin.ways or begin.is_any)
+    is_few = hazards.count <= TUNING.few and not (begin.routes or begin.is_any)
     num_sides = _SIDES if begin.to_choose is not None or is_few else 1
     beginnings = _attempts(begin, rng, limits)
     for number, attempt in enumerate(beginnings, start=1):
@@ -93,22 +93,22 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
 
 def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
     """Begin with paths alone, or with paths around obstacles: at even speed, paced, drawn."""
-    ways, hazards = begin.ways, begin.task.hazards
+    routes, hazards = begin.routes, begin.task.hazards
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
-    usually = {i: timed_by_visits(hazards.models[i], way) for i, way in ways.items()}
+    usually = {i: timed_by_visits(hazards.models[i], route) for i, route in routes.items()}
     yield from _toured(begin, limits)
-    if ways:
+    if routes:
         yield Attempt(begin.referring(usually), TUNING.quick_sweeps)
     else:
         for turning in _sides(begin, limits):
             yield Attempt(turning, TUNING.max_sweeps)
     yield from _kept_apart(begin, rng, limits)
-    if ways:
+    if routes:
         yield Attempt(begin.referring(usually), TUNING.max_sweeps)
     for _ in range(TUNING.attempts):
-        drawn = {i: timed_anyhow(hazards, i, way, rng) for i, way in ways.items()}
+        drawn = {i: timed_anyhow(hazards, i, route, rng) for i, route in routes.items()}
         for i in meeting:
-            if i not in ways:
+            if i not in routes:
                 path = arched(hazards, i, TUNING.most_arc * rng.uniform(-1.0, 1.0))
                 drawn[i] = timed_anyhow(hazards, i, path, rng)
         yield Attempt(begin.referring(drawn), TUNING.max_sweeps)
@@ -122,7 +122,7 @@ def _toured(begin: Begin, limits: Limits) -> Iterator[Attempt]:
 
     hazards = begin.task.hazards
     touring = Touring(hazards, begin.to_choose, limits, begin.clearance)
-    if not touring.run(begin.alone, begin.ways):
+    if not touring.run(begin.alone, begin.routes):
         return
     is_apart = touring.successive.missed.sum() <= TUNING.nearly * hazards.radii.mean()
     sweeps = 0 if is_apart else TUNING.quick_sweeps
@@ -167,10 +167,10 @@ def _sides(begin: Begin, limits: Limits) -> Iterator[Turning]:
 def _kept_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
     """Place vehicles apart: on their paths, all together tick by tick, or in order."""
     from radmpc.planners.certified.turned.narrow.clear import Clear  # noqa: PLC0415 - few need it
-    from radmpc.planners.certified.turned.narrow.knots import joint_ways  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.narrow.knots import joint_routes  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.narrow.pacing import Pacing  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks  # noqa: PLC0415 - few need it
-    from radmpc.planners.certified.turned.narrow.ways import pulled_ways, shortest_ways  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.narrow.routes import pulled_routes, shortest_routes  # noqa: PLC0415 - few need it
 
     hazards, clearance = begin.task.hazards, begin.clearance
     clear, pacing = Clear.of(hazards), None
@@ -180,19 +180,19 @@ def _kept_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Itera
 
     if clear is not None:
         pacing = Pacing(hazards, clear, clearance)
-        pacing.offer(shortest_ways(hazards, clear, clearance))
+        pacing.offer(shortest_routes(hazards, clear, clearance))
         yield from _paced(begin, pacing, pacing.run(range(hazards.count), is_stopped), limits)
     if hazards.count == 1 or limits.reached:
         return
     placed, ticks = prioritized_ticks(hazards, is_stopped)
     if placed and clear is not None and pacing is not None:
-        pacing.offer(pulled_ways(hazards, clear, placed, clearance))
+        pacing.offer(pulled_routes(hazards, clear, placed, clearance))
         yield from _paced(begin, pacing, pacing.run(tuple(placed), is_stopped), limits)
     if clear is not None and pacing is not None and not limits.reached:
-        joint = joint_ways(hazards, clear, rng.spawn(1)[0], is_stopped)
+        joint = joint_routes(hazards, clear, rng.spawn(1)[0], is_stopped)
         if joint:
-            pacing.offer(pulled_ways(hazards, clear, joint, clearance))
-            places = {i: evenly(way, hazards.horizon) for i, way in joint.items()}
+            pacing.offer(pulled_routes(hazards, clear, joint, clearance))
+            places = {i: evenly(route, hazards.horizon) for i, route in joint.items()}
             yield from _paced(begin, pacing, pacing.mend(places, is_stopped), limits)
     if placed:
         in_order = {i: path[::ticks] for i, path in placed.items()}

@@ -1,4 +1,4 @@
-"""Shortest ways around standing obstacles, on a grid."""
+"""Shortest routes around standing obstacles, on a grid."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from radmpc.planners.certified.turned.grid import FREE, Grid
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 
-__all__ = ["NARROW", "Toll", "detours", "ways_beside"]
+__all__ = ["NARROW", "Toll", "detours", "routes_beside"]
 
 _ROOMS = (1.0, 0.7, 0.4, 0.0)
-"""Shares of the clearance that ways are sought with, one after the other [-]."""
+"""Shares of the clearance that routes are sought with, one after the other [-]."""
 
 NARROW = 4.0
-"""Factor on the length of a way that touches an obstacle; 1 where the way is free [-]."""
+"""Factor on the length of a route that touches an obstacle; 1 where the route is free [-]."""
 
 _LIKELY = 1.3
-"""Length of a way that is sought first, in multiples of the straight one [-]: most are shorter, and
-what is farther off is not looked at for them."""
+"""Length of a route that is sought first, in multiples of the straight one [-]: most are shorter,
+and what is farther off is not looked at for them."""
 
 _BESIDE = 2.0
-"""Factor on lengths near a way beside which another one is sought [-]."""
+"""Factor on lengths near a route beside which another one is sought [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Toll:
-    """What makes parts of a way count as longer.
+    """What makes parts of a route count as longer.
 
     Attributes
     ----------
     narrow : float
         Factor where it touches an obstacle; 1 where it is free [-].
     beside : tuple of (p, d) array
-        Corners of ways that are to be avoided where others are not much longer [m].
+        Corners of routes that are to be avoided where others are not much longer [m].
     """
 
     narrow: float = NARROW
@@ -60,17 +60,17 @@ class Toll:
         room = np.clip((grid.distances - radius) / max(FREE * spread, grid.spacing), 0.0, 1.0)
         found = self.narrow - (self.narrow - 1.0) * room
         if self.beside:
-            points = np.vstack([_points_on(way, grid.spacing) for way in self.beside])
+            points = np.vstack([_points_on(route, grid.spacing) for route in self.beside])
             away, _ = cKDTree(points).query(grid.points)
             found = found * np.where(away < radius, _BESIDE, 1.0)
         return np.where(grid.distances < radius, np.inf, found)
 
 
-def _points_on(way: Matrix, spacing: float) -> Matrix:
-    """Return points on a way, at most a spacing apart, (p, d) [m]."""
-    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
+def _points_on(route: Matrix, spacing: float) -> Matrix:
+    """Return points on a route, at most a spacing apart, (p, d) [m]."""
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1)))
     along = np.arange(0.0, lengths[-1] + spacing, spacing)
-    return np.stack([np.interp(along, lengths, axis) for axis in way.T], axis=1)
+    return np.stack([np.interp(along, lengths, axis) for axis in route.T], axis=1)
 
 
 def detours(
@@ -80,25 +80,25 @@ def detours(
     grid: Grid | None = None,
     toll: Toll | None = None,
 ) -> dict[int, Matrix]:
-    """Return the shortest ways of vehicles around standing obstacles.
+    """Return the shortest routes of vehicles around standing obstacles.
 
     Parameters
     ----------
     hazards : Hazards
         The fleet; what moves is left out.
     vehicles : sequence of int
-        Whose ways are asked for.
+        Whose routes are asked for.
     clearance : float
-        Standard deviations that ways keep from obstacles where there are such ways [-].
+        Standard deviations that routes keep from obstacles where there are such routes [-].
     grid : Grid or None
-        The points that ways lead over; None for the usual ones.
+        The points that routes lead over; None for the usual ones.
     toll : Toll or None
         What makes parts of them count as longer; None is the usual one.
 
     Returns
     -------
     dict of int to (p, d) array
-        Corners of the ways from start to goal [m], of those for which there is one.
+        Corners of the routes from start to goal [m], of those for which there is one.
     """
     grid = Grid.of(hazards) if grid is None else grid
     graphs: dict[tuple[float, float], tuple[csr_array, np.ndarray]] = {}
@@ -108,7 +108,7 @@ def detours(
         spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
         goal = 0.5 * (model.vehicle.goal.lower + model.vehicle.goal.upper)
         stops = [model.drift_position[0], *(visit.center for visit in model.vehicle.via), goal]
-        # Where the noise fits, too, if there is such a way; else wherever the hull does.
+        # Where the noise fits, too, if there is such a route; else wherever the hull does.
         for room in clearance * spread * np.array(_ROOMS):
             key = (round(float(hazards.radii[i] + room), 9), round(spread, 9))
             if key not in graphs:
@@ -121,32 +121,32 @@ def detours(
                 _way(grid, graphs[key][0], (stops[k], stops[k + 1]), (numbers[k], numbers[k + 1]))
                 for k in range(len(stops) - 1)
             ]
-            ways = [leg for leg in legs if leg is not None]
-            if len(ways) == len(legs):
-                found[i] = np.vstack(ways)
+            routes = [leg for leg in legs if leg is not None]
+            if len(routes) == len(legs):
+                found[i] = np.vstack(routes)
                 break
     return found
 
 
-def ways_beside(
+def routes_beside(
     hazards: Hazards,
     grid: Grid,
     parts: Mapping[int, Sequence[Matrix]],
     clearance: float,
     far: float,
 ) -> dict[int, list[Matrix]]:
-    """Return the shortest ways beside given ones, piece by piece.
+    """Return the shortest routes beside given ones, piece by piece.
 
     Parameters
     ----------
     hazards : Hazards
         The fleet.
     grid : Grid
-        The points that ways lead over.
+        The points that routes lead over.
     parts : mapping of int to sequence of (p, d) array
-        Points of the pieces of each vehicle's way [m].
+        Points of the pieces of each vehicle's route [m].
     clearance : float
-        Standard deviations that ways keep from obstacles where there are such ways [-].
+        Standard deviations that routes keep from obstacles where there are such routes [-].
     far : float
         How far they may lead from the given ones [m].
 
@@ -182,7 +182,7 @@ def ways_beside(
 
 
 def _path(graph: csr_array, first: int, last: int, likely: float = np.inf) -> list[int]:
-    """Return the points on the shortest way through a graph; none where there is no way.
+    """Return the points on the shortest route through a graph; none where there is no route.
 
     Whether any is as short as is likely is asked first [m].
     """
@@ -228,7 +228,7 @@ def _graph(grid: Grid, weights: Vector) -> csr_array:
 def _way(
     grid: Grid, graph: csr_array, places: tuple[Vector, Vector], numbers: tuple[int, int]
 ) -> Matrix | None:
-    """Return the corners of the shortest way between two places; None where there is none.
+    """Return the corners of the shortest route between two places; None where there is none.
 
     Parameters
     ----------

@@ -183,8 +183,8 @@ def noise_of(
     """
     of_pieces = hazards.shapes.covariances
 
-    def seen(found: Tensor, steps: Indices) -> Tensor:
-        return found if piece is None or of_pieces is None else found + of_pieces[piece, steps]
+    def seen(added: Tensor, steps: Indices) -> Tensor:
+        return added if piece is None or of_pieces is None else added + of_pieces[piece, steps]
 
     end = (seen(hazards.joint(window + 1, first, second), window + 1),)
     if not hazards.intervals:

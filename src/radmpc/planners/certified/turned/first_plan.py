@@ -35,9 +35,9 @@ def first_plan(
 ) -> FleetIncumbent:
     """Plan a fleet one vehicle after the other, then all at a price of risk.
 
-    Vehicles begin with what they do alone; those that an obstacle stops begin with the shortest way
-    around, at times that differ from attempt to attempt. Where nothing stops them and few get in
-    each other's way, searching their sets is as quick, and nothing is done.
+    Vehicles begin with what they do alone; those that an obstacle stops begin with the shortest
+    route around, at times that differ from attempt to attempt. Where nothing stops them and few get
+    in each other's way, searching their sets is as quick, and nothing is done.
 
     Parameters
     ----------
@@ -82,17 +82,17 @@ def first_plan(
 
     # Risk counts for more than effort at first: a falling price stays near what is certified.
     price *= TUNING.first_dear * alone.cost() / task.risk_bound
-    ways: dict[int, Matrix] = {}
+    routes: dict[int, Matrix] = {}
     if stopped.size:
-        from radmpc.planners.certified.turned.narrow.cheapest import cheapest_ways  # noqa: PLC0415 - loads graphs
+        from radmpc.planners.certified.turned.narrow.cheapest import cheapest_routes  # noqa: PLC0415 - loads graphs
 
-        ways = cheapest_ways(hazards, alone, stopped, clearance, task.limits)
+        routes = cheapest_routes(hazards, alone, stopped, clearance, task.limits)
     time_share = TUNING.easy_share if is_easy and not is_needed else TUNING.first_time_share
     seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
     # Where few meet, the relaxation tells the sides soon.
     is_any = is_easy and is_needed
     to_choose = None if visits is None else visits.to_choose
-    begin = Begin(task, alone, ways, sets, price, clearance, to_choose, is_any)
+    begin = Begin(task, alone, routes, sets, price, clearance, to_choose, is_any)
     return tried(begin, rng, task.limits.within(seconds))
 
 

@@ -20,7 +20,7 @@ _BESIDE = 3
 """Points on each side among which the nearest one is looked for first [-]."""
 
 FREE = 3.0
-"""Standard deviations from an obstacle from which on a way counts as free [-]."""
+"""Standard deviations from an obstacle from which on a route counts as free [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -187,7 +187,7 @@ class GroupLp:
         prices[:, :, :-1] = margins.prices
         used = slice(2 - self._num_ends, 2)
         first = self._lp.extend_columns(prices[:, used].ravel(), lengths[:, used].ravel())
-        rights = spaces.offsets + margins.room
+        rights = spaces.offsets + margins.distances
         laid_out = self._rows(spaces, paths), first
         self._lp.extend_rows(*self._entries(spaces, paths, rights, laid_out))
         return first, margins
@@ -199,7 +199,7 @@ class GroupLp:
         if spaces.count <= _FEW:
             return np.zeros(spaces.count, dtype=bool)
         rows = self._rows(spaces, paths)
-        rights = spaces.offsets + margins.room
+        rights = spaces.offsets + margins.distances
         matrix, lower = self._entries(spaces, paths, rights, (rows, self._lp.num_columns))
         is_missed = matrix @ values < lower - FEASIBILITY_TOL
         return np.bincount(rows.spaces, is_missed, spaces.count) > 0

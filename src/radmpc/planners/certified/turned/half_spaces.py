@@ -16,13 +16,13 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector, field_names
 from radmpc.geometry import inner_faces
 from radmpc.planners.certified.turned.directions import closest_approach, from_shape, refined
 from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise_of
-from radmpc.planners.certified.turned.meeting import (
-    end_normals,
-    meeting_encounter,
-    meeting_normals,
-)
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
+from radmpc.planners.certified.turned.pair_normals import (
+    end_normals,
+    pair_encounter,
+    pair_normals,
+)
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
@@ -151,18 +151,18 @@ def _between(
     if counts is not None:
         is_near &= counts[two]
     number, window = np.nonzero(is_near)
-    meeting = one[number], two[number], window
-    normals = meeting_normals(hazards, both, meeting, radii[number], is_refined=near.is_refined)
-    keys = (meeting[0] * hazards.count + meeting[1]) * hazards.horizon + window
-    met = meeting_encounter(hazards, paths, meeting, radii[number])
+    pairing = one[number], two[number], window
+    normals = pair_normals(hazards, both, pairing, radii[number], is_refined=near.is_refined)
+    keys = (pairing[0] * hazards.count + pairing[1]) * hazards.horizon + window
+    met = pair_encounter(hazards, paths, pairing, radii[number])
     if not (near.is_start_given and hazards.intervals):
-        return _laid_out(met, normals, meeting, keys)
+        return _laid_out(met, normals, pairing, keys)
     is_given, ends = window == 0, np.flatnonzero((window == 0) | (window == hazards.horizon - 1))
     if ends.size:
-        who, apart_at = tuple(each[ends] for each in meeting), (radii[number[ends]], near.clearance)
+        who, apart_at = tuple(each[ends] for each in pairing), (radii[number[ends]], near.clearance)
         normals[ends], is_kept = end_normals(hazards, paths, who, normals[ends], apart_at)
         is_given[ends] &= is_kept
-    return _laid_out(met, normals, meeting, keys, is_given)
+    return _laid_out(met, normals, pairing, keys, is_given)
 
 
 def _around(

@@ -45,11 +45,11 @@ def _rungs(tail: Tail) -> Vector:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Margins:
-    """How much room each end of each half-space asks for, and what keeping less costs.
+    """How far each end of each half-space is to be kept, and what keeping less costs.
 
     Attributes
     ----------
-    room : (w, 2) array
+    distances : (w, 2) array
         Room beyond the half-spaces' offsets that is asked for [m].
     lengths : (w, 2, m) array
         Parts of it that may be given up, the cheapest first [m].
@@ -61,7 +61,7 @@ class Margins:
         Cost per meter of what is missed beyond them.
     """
 
-    room: Matrix
+    distances: Matrix
     lengths: Tensor
     prices: Tensor
     risks: Tensor
@@ -74,8 +74,8 @@ class Margins:
 
     def of(self, chosen: npt.NDArray[np.bool_]) -> Margins:
         """Return those of some half-spaces, (w,) bool array."""
-        room, lengths, prices = self.room[chosen], self.lengths[chosen], self.prices[chosen]
-        return Margins(room, lengths, prices, self.risks[chosen], self.penalty)
+        distances, lengths = self.distances[chosen], self.lengths[chosen]
+        return Margins(distances, lengths, self.prices[chosen], self.risks[chosen], self.penalty)
 
     def given_up(self, values: Vector, ends: int) -> tuple[float, float]:
         """Return what is missed in all beyond the parts [m], and the risk of those given up [-].
@@ -87,7 +87,7 @@ class Margins:
         ends : int
             How many ends have columns [-].
         """
-        shape = (self.room.shape[0], ends, self.num_columns)
+        shape = (self.distances.shape[0], ends, self.num_columns)
         lengths = values[: int(np.prod(shape))].reshape(shape)
         risk = float(np.sum(lengths[:, :, :-1] * self.risks[:, 2 - ends :]))
         return float(lengths[:, :, -1].sum()), risk

@@ -117,32 +117,32 @@ class Paths:
         self.means, self.sagittas = means.copy(), sagittas.copy()
 
 
-def timed(way: Matrix, horizon: int, begin: float, end: float) -> Matrix:
-    """Return where one is at each step on a way, at even speed between two times, (T+1, d) [m].
+def timed(route: Matrix, horizon: int, begin: float, end: float) -> Matrix:
+    """Return where one is at each step on a route, at even speed between two times, (T+1, d) [m].
 
     Parameters
     ----------
-    way : (p, d) array
+    route : (p, d) array
         Its corners [m].
     horizon : int
         Steps T.
     begin, end : float
         When one leaves and arrives, as shares of the horizon [-].
     """
-    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1)))
     shares = np.clip((np.linspace(0.0, 1.0, horizon + 1) - begin) / (end - begin), 0.0, 1.0)
     along = shares * lengths[-1]
-    return np.stack([np.interp(along, lengths, way[:, a]) for a in range(way.shape[1])], axis=1)
+    return np.stack([np.interp(along, lengths, route[:, a]) for a in range(route.shape[1])], axis=1)
 
 
-def timed_by_visits(model: CondensedModel, way: Matrix) -> Matrix:
-    """Return where a vehicle is at each step on a way, at even speed from visit to visit.
+def timed_by_visits(model: CondensedModel, route: Matrix) -> Matrix:
+    """Return where a vehicle is at each step on a route, at even speed from visit to visit.
 
     Parameters
     ----------
     model : CondensedModel
-        The vehicle; of a visit whose step is open the time follows from the way.
-    way : (p, d) array
+        The vehicle; of a visit whose step is open the time follows from the route.
+    route : (p, d) array
         Its corners, middles of all visits among them [m].
 
     Returns
@@ -151,10 +151,10 @@ def timed_by_visits(model: CondensedModel, way: Matrix) -> Matrix:
         Positions [m].
     """
     horizon, goal = model.horizon, model.vehicle.goal
-    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1)))
     steps, along, at = [0], [0.0], 0
     for visit, (first, last) in zip(model.vehicle.via, windows_of(model), strict=True):
-        at += int((way[at:] == visit.center).all(axis=1).argmax())
+        at += int((route[at:] == visit.center).all(axis=1).argmax())
         if first == last:
             steps.append(first)
             along.append(float(lengths[at]))
@@ -162,7 +162,7 @@ def timed_by_visits(model: CondensedModel, way: Matrix) -> Matrix:
     steps.append(first if first == last else horizon)
     along.append(float(lengths[-1]))
     there = np.interp(np.arange(horizon + 1), steps, along)
-    return np.stack([np.interp(there, lengths, way[:, a]) for a in range(way.shape[1])], axis=1)
+    return np.stack([np.interp(there, lengths, route[:, a]) for a in range(route.shape[1])], axis=1)
 
 
 def evenly(ticks: Matrix, horizon: int) -> Matrix:
@@ -181,7 +181,7 @@ def evenly(ticks: Matrix, horizon: int) -> Matrix:
 
 
 def arched(hazards: Hazards, i: int, offset: float) -> Matrix:
-    """Return places at even speed on an arc to the right of the straight way, (T+1, d) [m].
+    """Return places at even speed on an arc to the right of the straight route, (T+1, d) [m].
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def arched(hazards: Hazards, i: int, offset: float) -> Matrix:
     i : int
         A vehicle's number.
     offset : float
-        How far the arc strays from the straight way [largest radii].
+        How far the arc strays from the straight route [largest radii].
     """
     model = hazards.models[i]
     start = model.drift_position[0]
@@ -202,8 +202,8 @@ def arched(hazards: Hazards, i: int, offset: float) -> Matrix:
     return np.asarray(start + share * (goal - start) + np.sin(np.pi * share) * right)
 
 
-def timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:
-    """Return where one is at each step on a way that begins and ends at drawn times, (T+1, d) [m].
+def timed_anyhow(hazards: Hazards, i: int, route: Matrix, rng: np.random.Generator) -> Matrix:
+    """Return where one is at each step on a route, from one drawn time to another, (T+1, d) [m].
 
     Parameters
     ----------
@@ -211,15 +211,15 @@ def timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator
         The fleet.
     i : int
         A vehicle's number.
-    way : (p, d) array
+    route : (p, d) array
         Its corners [m].
     rng : Generator
         Draws the times.
     """
-    length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
+    length = float(np.linalg.norm(np.diff(route, axis=0), axis=1).sum())
     # What cannot but stay goes no way at all.
-    reach = float(hazards.moves[i]) * hazards.horizon
+    reach = float(hazards.reaches[i]) * hazards.horizon
     least = min(length / reach, TUNING.fastest) if reach > 0.0 else TUNING.fastest
     taken = least + (1.0 - least) * rng.random()
     first = (1.0 - taken) * rng.random()
-    return timed(way, hazards.horizon, first, first + taken)
+    return timed(route, hazards.horizon, first, first + taken)

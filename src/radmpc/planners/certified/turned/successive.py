@@ -168,7 +168,7 @@ class SuccessiveLp:
         penalty : float
             Of a meter missed, see `Tuning.first_penalty` [-].
         """
-        reach = float(self.hazards.moves[i])
+        reach = float(self.hazards.reaches[i])
         near = Near(clearance, reach, is_refined=False, is_start_given=self._has_visits)
         spaces = half_spaces(self.hazards, self.paths, (i,), near)
         margins = fixed_margins(spaces.deviations, clearance, penalty * self._meter)
@@ -189,7 +189,7 @@ class SuccessiveLp:
         spacing : float
             Between the clearances around the latest at which risk is interpolated [-].
         """
-        reach = float(self.hazards.moves[list(group)].max())
+        reach = float(self.hazards.reaches[list(group)].max())
         before, plan = self.paths.state(), None
         program = self._program(group)
         worked = program.work

@@ -71,17 +71,17 @@ class Tuning:
     max_sweeps : int
         Sweeps over the fleet for a first plan, at most [-]; `empty_40agents_3` takes nine.
     quick_sweeps : int
-        The same where there are other ways to begin with [-].
+        The same where there are other routes to begin with [-].
     attempts : int
-        Times of ways around obstacles that a first plan is tried with, at most [-]: each takes 0.1
-        to 0.5 s for three to eight vehicles.
+        Times of routes around obstacles that a first plan is tried with, at most [-]: each takes
+        0.1 to 0.5 s for three to eight vehicles.
     arches : tuple of float
-        How far everyone keeps to the right of its straight way in other beginnings than that one
+        How far everyone keeps to the right of its straight route in other beginnings than that one
         [largest radii]: `circle(16)` begins at 89.7 by the first, at 96.6 without.
     most_arc : float
-        How far ways lead past the straight one at most, when sides are drawn [largest radii].
+        How far routes lead past the straight one at most, when sides are drawn [largest radii].
     narrower : float
-        Share of the clearance that is kept where ways are too narrow for all of it [-].
+        Share of the clearance that is kept where routes are too narrow for all of it [-].
     nearly : float
         What paths may miss in all to be turned at a price of risk all the same [mean radii].
     most_missed : float
@@ -94,7 +94,7 @@ class Tuning:
     first_seconds, first_time_share : float
         Time after which no other attempt is begun [s], at most this share of what is left [-].
     fastest : float
-        Share of the horizon that the fastest way takes at most, when times are drawn [-].
+        Share of the horizon that the fastest route takes at most, when times are drawn [-].
     first_rounds : int
         Turns at a price of risk for a first plan, at most [-]; it is turned again after the search.
     first_dear : float
@@ -111,7 +111,7 @@ class Tuning:
         Vehicles of a fleet up to which one that an obstacle stops calls for the same [-]: in larger
         ones, where few meet, searching them one by one is as quick.
     weighed : int
-        Vehicles that obstacles stop up to which several ways around these are compared [-]: 20 to
+        Vehicles that obstacles stop up to which several routes around these are compared [-]: 20 to
         40 ms each among a hundred boxes.
     compared : float
         Clearance up to which windows count as near at a price of risk [standard deviations].

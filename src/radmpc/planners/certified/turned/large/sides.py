@@ -52,7 +52,7 @@ def _near(hazards: Hazards, controls: Sequence[Matrix]) -> HalfSpaces:
     for i, each in enumerate(controls):
         paths.fly(i, each)
     far = far_of(hazards.tail, TUNING.compared)
-    near = Near(far, float(hazards.moves.max()), is_refined=False)
+    near = Near(far, float(hazards.reaches.max()), is_refined=False)
     return half_spaces(hazards, paths, tuple(range(hazards.count)), near)
 
 

@@ -1,1 +1,1 @@
-"""Ways and paces through passages that are narrow, for vehicles in the plane."""
+"""Routes and paces through passages that are narrow, for vehicles in the plane."""

@@ -1,4 +1,4 @@
-"""Of several ways around obstacles, for each vehicle the one that takes the least effort alone."""
+"""Of several routes around obstacles, for each vehicle the one of the least effort alone."""
 
 from __future__ import annotations
 
@@ -15,34 +15,34 @@ from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 
-__all__ = ["cheapest_ways"]
+__all__ = ["cheapest_routes"]
 
 _WAYS = 4
-"""Ways of a vehicle that are compared at most [-]: the shortest that keeps clear of gaps where it
+"""Routes of a vehicle that are compared at most [-]: the shortest that keeps clear of gaps where it
 can, that through gaps, and both again beside all before."""
 
 _GOOD = 1.3
-"""Effort of a way, in multiples of what it would take without obstacles, at which no other is
+"""Effort of a route, in multiples of what it would take without obstacles, at which no other is
 sought [-]."""
 
 _SWEEPS = 6
-"""Times that a vehicle is planned on a way, at most [-]: most take one to three."""
+"""Times that a vehicle is planned on a route, at most [-]: most take one to three."""
 
 _MISSED = 0.02
-"""What it may miss there to count as a way all the same [m]: turning half-spaces gains that."""
+"""What it may miss there to count as a route all the same [m]: turning half-spaces gains that."""
 
 
-def cheapest_ways(
+def cheapest_routes(
     hazards: Hazards,
     alone: Paths,
     stopped: Sequence[int] | Indices,
     clearance: float,
     limits: Limits,
 ) -> dict[int, Matrix]:
-    """Return ways around obstacles: the shortest, or others where these take less effort.
+    """Return routes around obstacles: the shortest, or others where these take less effort.
 
     What is short on a grid may wind, and whoever keeps clear of all gaps may go far around. Two or
-    three linear programs of one vehicle tell what a way takes: 2 to 5 ms among a hundred boxes.
+    three linear programs of one vehicle tell what a route takes: 2 to 5 ms among a hundred boxes.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def cheapest_ways(
     Returns
     -------
     dict of int to (p, d) array
-        Corners of the ways from start to goal [m], of those for which there is one.
+        Corners of the routes from start to goal [m], of those for which there is one.
     """
     grid, trial = Grid.of(hazards), SuccessiveLp(hazards, limits)
     found = detours(hazards, stopped, clearance, grid)
@@ -93,7 +93,7 @@ def cheapest_ways(
 def _planned(
     trial: SuccessiveLp, vehicle: int, clearance: float, enough: float, limits: Limits
 ) -> tuple[float, float]:
-    """Return what a vehicle misses on its way once planned there, and its effort [m], [m/s²].
+    """Return what a vehicle misses on its route once planned there, and its effort [m], [m/s²].
 
     It is planned until it misses nothing, or its effort is enough to know that others are better:
     effort grows with what a miss costs.

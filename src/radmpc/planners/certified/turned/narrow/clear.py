@@ -1,4 +1,4 @@
-"""How far any place is from standing obstacles, and ways that keep room and have few corners."""
+"""How far any place is from standing obstacles, and routes that keep room and have few corners."""
 
 from __future__ import annotations
 
@@ -97,27 +97,27 @@ class Clear:
         between = begin[..., None, :] + shares * (end - begin)[..., None, :]
         return np.asarray(self.at(between).min(axis=-1))
 
-    def pulled(self, way: Matrix, room: float) -> Matrix:
-        """Return the corners of a way, pulled straight where it keeps room, or loses none.
+    def pulled(self, route: Matrix, clearance: float) -> Matrix:
+        """Return the corners of a route, pulled straight where it keeps room, or loses none.
 
         Parameters
         ----------
-        way : (p, 2) array
-            Points of the way, close to each other [m].
-        room : float
-            Distance from obstacles that is worth a longer way [m].
+        route : (p, 2) array
+            Points of the route, close to each other [m].
+        clearance : float
+            Distance from obstacles that is worth a longer route [m].
         """
-        here = self.at(way)
+        here = self.at(route)
         kept, i = [0], 0
-        while i < len(way) - 1:
-            following = np.arange(i + 1, min(len(way), i + 1 + TUNING.straight_points))
+        while i < len(route) - 1:
+            following = np.arange(i + 1, min(len(route), i + 1 + TUNING.straight_points))
             before = np.minimum.accumulate(here[i : following[-1] + 1])[1:]
-            straight = self.along(np.broadcast_to(way[i], (len(following), 2)), way[following])
-            is_clear = straight >= np.minimum(room, before) - TUNING.lost_clearance
+            straight = self.along(np.broadcast_to(route[i], (len(following), 2)), route[following])
+            is_clear = straight >= np.minimum(clearance, before) - TUNING.lost_clearance
             is_clear[0] = True
             i = int(following[np.flatnonzero(is_clear)[-1]])
             kept.append(i)
-        return np.asarray(way[kept])
+        return np.asarray(route[kept])
 
 
 def _least(grid: Grid) -> Vector:

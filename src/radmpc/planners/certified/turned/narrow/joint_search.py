@@ -1,4 +1,4 @@
-"""Joint ways of all vehicles over the nodes of a graph, for knots that no order of priority undoes.
+"""Joint routes of all vehicles over the nodes of a graph, for knots that no priorities undo.
 
 LaCAM (Okumura 2023): a depth-first search over configurations, the nodes of all vehicles at a tick,
 that adds who must go where lazily. Configurations are proposed by priority inheritance with

@@ -12,10 +12,10 @@ from radmpc.planners.certified.turned.narrow.joint_search import joint_search
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
-__all__ = ["joint_ways"]
+__all__ = ["joint_routes"]
 
 
-def joint_ways(
+def joint_routes(
     hazards: Hazards, clear: Clear, rng: np.random.Generator, is_stopped: Callable[[], bool]
 ) -> Mapping[int, Matrix]:
     """Return nodes that vehicles pass, tick by tick: all together, nobody near another.

@@ -1,4 +1,4 @@
-"""At which pace vehicles go along given ways, each clear of those placed before it."""
+"""At which pace vehicles go along given routes, each clear of those placed before it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["Pacing"]
 
 
 class Pacing:
-    """A fleet that is placed on ways, one vehicle after the other.
+    """A fleet that is placed on routes, one vehicle after the other.
 
     Parameters
     ----------
@@ -31,26 +31,26 @@ class Pacing:
     def __init__(self, hazards: Hazards, clear: Clear, clearance: float) -> None:
         self._hazards, self._clearance = hazards, clearance
         self._kept = clear, clearance
-        self._ways: dict[int, list[Matrix]] = {}
+        self._routes: dict[int, list[Matrix]] = {}
         self._tracks: dict[int, list[tuple[Track, float]]] = {}
         self._placed: dict[int, Matrix] = {}
         self._known: dict[tuple[int, int], tuple[Matrix, Closeness]] = {}
 
-    def offer(self, ways: Mapping[int, Sequence[Matrix]], fineness: float = 1.0) -> None:
-        """Let vehicles take ways, too, as far as there is any pace for them.
+    def offer(self, routes: Mapping[int, Sequence[Matrix]], fineness: float = 1.0) -> None:
+        """Let vehicles take routes, too, as far as there is any pace for them.
 
         Parameters
         ----------
-        ways : mapping of int to sequence of (p, 2) array
-            Corners of ways from each vehicle's start to its goal [m].
+        routes : mapping of int to sequence of (p, 2) array
+            Corners of routes from each vehicle's start to its goal [m].
         fineness : float
-            Places on the ways, in multiples of the usual number [-].
+            Places on the routes, in multiples of the usual number [-].
         """
-        for i, choices in ways.items():
-            self._ways.setdefault(i, [])
-            self._ways[i] += [way for way in choices if fineness == 1.0]
-            for way in choices:
-                laid_out = track(self._hazards, i, way, self._kept, fineness)
+        for i, choices in routes.items():
+            self._routes.setdefault(i, [])
+            self._routes[i] += [route for route in choices if fineness == 1.0]
+            for route in choices:
+                laid_out = track(self._hazards, i, route, self._kept, fineness)
                 alone = None if laid_out is None else laid_out.paced(self._hazards.horizon, ())
                 if laid_out is not None and alone is not None:
                     self._tracks.setdefault(i, []).append((laid_out, alone[1]))
@@ -67,11 +67,11 @@ class Pacing:
             Returns True once it is time to stop.
         """
         for fineness in TUNING.finenesses:
-            self.offer({i: self._ways[i] for i in vehicles if i in self._ways}, fineness)
+            self.offer({i: self._routes[i] for i in vehicles if i in self._routes}, fineness)
         return self.mend(self._placed, is_stopped, vehicles)
 
     def run(self, order: Sequence[int], is_stopped: Callable[[], bool]) -> dict[int, Matrix]:
-        """Return where vehicles are at each step, each on the best of its ways.
+        """Return where vehicles are at each step, each on the best of its routes.
 
         Parameters
         ----------
@@ -132,11 +132,11 @@ class Pacing:
         return dict(self._placed)
 
     def _place(self, vehicle: int) -> bool:
-        """Place a vehicle at the best pace on any of its ways; tell whether there is one."""
+        """Place a vehicle at the best pace on any of its routes; tell whether there is one."""
         best: tuple[Matrix, float] | None = None
         for each, alone in self._tracks[vehicle]:
             if best is not None and alone >= best[1]:
-                # Others only make it dearer; the ways come in the order of what they cost alone.
+                # Others only make it dearer; the routes come in the order of what they cost alone.
                 break
             others = [self._closeness(each, j) for j in self._placed]
             found = each.paced(self._hazards.horizon, others)

@@ -1,6 +1,6 @@
 """Prioritized planning on a grid in space and time: each vehicle around those placed before it.
 
-The order decides: who finds no way is put first, and all begin again (Erdmann and Lozano-Perez
+The order decides: who finds no route is put first, and all begin again (Erdmann and Lozano-Perez
 1987). What is found is where vehicles would be at each step; no controls follow it yet.
 """
 
@@ -59,7 +59,7 @@ def prioritized_ticks(
         Ticks per step, K/T.
     """
     grid = Grid.of(hazards)
-    ticks = max(1, int(TUNING.grid_pace * float(hazards.moves.min()) / grid.spacing))
+    ticks = max(1, int(TUNING.grid_pace * float(hazards.reaches.min()) / grid.spacing))
     if hazards.count * ticks * hazards.horizon * len(grid.points) > TUNING.grid_work:
         return {}, ticks
     starts = np.array([model.drift_position[0] for model in hazards.models])
@@ -93,7 +93,7 @@ def _place(
     blocked: Tensor,
     is_stopped: Callable[[], bool],
 ) -> Matrix | None:
-    """Return the shortest way of a vehicle around what is blocked, tick by tick."""
+    """Return the shortest route of a vehicle around what is blocked, tick by tick."""
     spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
     is_open = grid.distances >= hazards.radii[i] + TUNING.order_sigmas[0] * spread
     start, goal = (grid.nearest(end, is_open) for end in ends)

@@ -1,7 +1,7 @@
-"""A way laid out for one vehicle: places on it, speeds along it, and the best pace.
+"""A route laid out for one vehicle: places on it, speeds along it, and the best pace.
 
-Path-velocity decomposition (Kant and Zucker 1986): the way is given, and dynamic programming over
-(place on the way, speed, step) finds the pace. From step to step a vehicle goes straight on
+Path-velocity decomposition (Kant and Zucker 1986): the route is given, and dynamic programming over
+(place on the route, speed, step) finds the pace. From step to step a vehicle goes straight on
 average, so corners fall on steps, or are cut where there is room for it. Speeds are over ground: in
 a current they change as those through the water do, which have the limits.
 """
@@ -16,7 +16,12 @@ import numpy.typing as npt
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.directions import closest_approach
 from radmpc.planners.certified.turned.narrow.clear import Clear
-from radmpc.planners.certified.turned.narrow.moves import at_ends, beyond, by_lengths, move_costs
+from radmpc.planners.certified.turned.narrow.displacements import (
+    at_ends,
+    beyond,
+    by_lengths,
+    displacement_costs,
+)
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
@@ -24,7 +29,7 @@ from radmpc.records import dataclass
 __all__ = ["Closeness", "Track", "track"]
 
 _PER_RADIUS = 2.0
-"""Places on the way per radius of the vehicle [-]."""
+"""Places on the route per radius of the vehicle [-]."""
 
 _LEVELS = (4, 16)
 """Fewest and most levels of speed along an axis [-]."""
@@ -34,7 +39,7 @@ _MISSED = 500.0
 multiples of what reaching full speed costs [1/m]."""
 
 _MOST = 2e7
-"""Places times levels of speed, squared, times steps of a way beyond which no pace is sought [-]:
+"""Places times levels of speed, squared, times steps of a route beyond which no pace is sought [-]:
 2e7 take 0.2 s."""
 
 _PARTS = 4
@@ -50,12 +55,12 @@ Closeness = tuple[Indices, Indices, Tensor]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """Places on a way, the speeds along it, and what each move from step to step costs.
+    """Places on a route, the speeds along it, and what each move from step to step costs.
 
     Attributes
     ----------
     vehicle : int
-        Whose way it is.
+        Whose route it is.
     places : (n, 2) array
         Places at even distances [m].
     ends : (v, v, n) int array
@@ -79,7 +84,7 @@ class Track:
     price: float
 
     @property
-    def num_moves(self) -> int:
+    def num_displacements(self) -> int:
         """Lengths that moves may have, in places, rest among them."""
         return 2 * len(self.costs) - 1
 
@@ -97,7 +102,7 @@ class Track:
         clearance : float
             Standard deviations to keep [-]; one is kept at any cost.
         """
-        i, places, most = self.vehicle, self.places, self.num_moves
+        i, places, most = self.vehicle, self.places, self.num_displacements
         variance = hazards.variances[i].max() + hazards.variances[other].max()
         spread = float(np.sqrt(variance / hazards.dimension))
         touching = float(hazards.radii[i] + hazards.radii[other])
@@ -142,13 +147,15 @@ class Track:
             None where there is no pace that keeps off them.
         """
         num_levels, _, count = self.costs.shape
-        near = np.zeros((horizon, self.num_moves, count), dtype=np.float32)
+        near = np.zeros((horizon, self.num_displacements, count), dtype=np.float32)
         if crowded is not None:
             near += crowded
         for step, place, lack in others:
             near[step, :, place] += lack
         # Where moves end is a diagonal of these; past the end they cost inf in any case.
-        values = np.full((horizon + 1, num_levels, count + self.num_moves), np.inf, np.float32)
+        values = np.full(
+            (horizon + 1, num_levels, count + self.num_displacements), np.inf, np.float32
+        )
         values[-1, :, count - 1] = self.last
         for k in range(horizon - 1, -1, -1):
             worth = self.costs + at_ends(values[k + 1], self.costs.shape)
@@ -169,35 +176,35 @@ class Track:
 
 
 def track(
-    hazards: Hazards, i: int, way: Matrix, kept: tuple[Clear, float], fineness: float = 1.0
+    hazards: Hazards, i: int, route: Matrix, kept: tuple[Clear, float], fineness: float = 1.0
 ) -> Track | None:
-    """Lay out a way.
+    """Lay out a route.
 
     Parameters
     ----------
     hazards : Hazards
         The fleet, in the plane.
     i : int
-        Whose way it is: that of a double integrator.
-    way : (p, 2) array
+        Whose route it is: that of a double integrator.
+    route : (p, 2) array
         Its corners, no two in a row at the same place [m].
     kept : tuple of Clear and float
         How far places are from obstacles, and standard deviations to keep from them [-].
     fineness : float
-        Places on the way, in multiples of the usual number [-].
+        Places on the route, in multiples of the usual number [-].
 
     Returns
     -------
     Track or None
-        None where the way is too long for that.
+        None where the route is too long for that.
     """
     dt, fastest, push = _limits(hazards.models[i])
     current, gust = _drift(hazards.models[i], dt)
-    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1)))
     reach = 0.5 * dt * fastest
     finest = reach * _PER_RADIUS / hazards.radii[i]
     finest = int(np.ceil(np.clip(finest, *_LEVELS) * fineness))
-    # Speeds at the steps sum to half the way: from rest to rest, only even numbers of places do.
+    # Speeds at the steps sum to half the route: from rest to rest, only even numbers of places do.
     count = 2 * max(1, round(float(lengths[-1]) * finest / reach / 2.0)) + 1
     along = np.linspace(0.0, lengths[-1], count)
     unit = max(2.0 * float(along[1]) / dt, _TINY)
@@ -205,16 +212,16 @@ def track(
     level = np.arange(int(np.sqrt(2.0) * over_ground / unit + _TINY) + 1)
     if count * level.size**2 * hazards.horizon > _MOST:
         return None
-    places = np.stack([np.interp(along, lengths, way[:, a]) for a in (0, 1)], axis=1)
-    pieces = np.clip(np.searchsorted(lengths, along + _TINY, side="right") - 1, 0, len(way) - 2)
-    ahead = np.diff(way, axis=0) / np.diff(lengths)[:, None]
+    places = np.stack([np.interp(along, lengths, route[:, a]) for a in (0, 1)], axis=1)
+    pieces = np.clip(np.searchsorted(lengths, along + _TINY, side="right") - 1, 0, len(route) - 2)
+    ahead = np.diff(route, axis=0) / np.diff(lengths)[:, None]
     speeds = unit * level[:, None, None] * ahead[pieces]
     ends = level[:, None, None] + level[None, :, None] + np.arange(count)
     is_never = ends >= count
     ends = np.minimum(ends, count - 1)
     lack = _lack(hazards, i, places, 2 * level.size - 1, kept)
     price = _MISSED * fastest
-    costs, changes = move_costs(places, speeds, gust, (0.5 * dt, price))
+    costs, changes = displacement_costs(places, speeds, gust, (0.5 * dt, price))
     costs += by_lengths(np.ascontiguousarray(price * lack.T), costs.shape)
     for change, most in zip(changes, push, strict=True):
         is_never |= change > most + 0.5 * unit

@@ -30,12 +30,12 @@ def crowding(
     counts: npt.NDArray[np.bool_],
     clearance: float,
 ) -> npt.NDArray[np.float32]:
-    """Return what moves along a way cost near others.
+    """Return what moves along a route cost near others.
 
     Parameters
     ----------
     each : Track
-        The way.
+        The route.
     hazards : Hazards
         The fleet, in the plane.
     paths : Paths
@@ -53,11 +53,11 @@ def crowding(
     first = 0 if hazards.intervals else _INSTANTS
     shares = np.arange(first, _INSTANTS + 1) / _INSTANTS
     lacks = _lacks(each, hazards, paths, (counts, shares, clearance))
-    count, moves = len(each.places), np.arange(each.num_moves)
+    count, moves = len(each.places), np.arange(each.num_displacements)
     passed = np.rint(shares * moves[:, None]).astype(np.int64)
     found = np.zeros((hazards.horizon, moves.size, count), dtype=np.float32)
     crowded = np.flatnonzero(lacks.any(axis=(1, 2)))
-    # Moves past the end of the way stay there.
+    # Moves past the end of the route stay there.
     after = np.repeat(lacks[crowded, :, -1:], moves.size, axis=2)
     ahead = np.concatenate([lacks[crowded], after], axis=2).transpose(1, 0, 2)
     worst = np.zeros((moves.size, crowded.size, count), dtype=np.float32)

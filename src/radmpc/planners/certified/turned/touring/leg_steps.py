@@ -55,7 +55,7 @@ class _Corner:
 
     Attributes
     ----------
-    room : (d,) array
+    slack : (d,) array
         How far a turn may cut it [m].
     accelerations : (d,) array
         The largest [m/s²].
@@ -63,7 +63,7 @@ class _Corner:
         Multiple of w² / a by which a turn cuts it [-].
     """
 
-    room: Vector
+    slack: Vector
     accelerations: Vector
     extent: float
 
@@ -71,8 +71,8 @@ class _Corner:
         """Return what changes of velocity, axes first, cost beside legs of so many seconds."""
         faster = sum(1.0 / each for each in seconds)
         total = 0.0
-        for change, room, most in zip(changes, self.room, self.accelerations, strict=True):
-            beyond = np.maximum(self.extent * change**2 / most - room, 0.0)
+        for change, slack, most in zip(changes, self.slack, self.accelerations, strict=True):
+            beyond = np.maximum(self.extent * change**2 / most - slack, 0.0)
             total = total + (change + beyond * faster)
         return np.asarray(total)
 

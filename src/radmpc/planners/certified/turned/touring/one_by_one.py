@@ -9,7 +9,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.successive import SuccessiveLp
-from radmpc.planners.certified.turned.touring.known import Known, heights_on
+from radmpc.planners.certified.turned.touring.solo_plan import SoloPlan, heights_on
 from radmpc.planners.certified.turned.touring.tour_lp import TourLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
@@ -72,10 +72,10 @@ class OneByOne(SuccessiveLp):
         models = list(self.hazards.models)
         models[vehicle] = model
         self.hazards = replace(self.hazards, models=tuple(models))
-        self._programs = {g: known for g, known in self._programs.items() if vehicle not in g}
+        self._programs = {g: plan for g, plan in self._programs.items() if vehicle not in g}
         self.missed[vehicle] = np.inf
 
-    def known(self, vehicle: int) -> Known:
+    def solo_plan(self, vehicle: int) -> SoloPlan:
         """Return what a vehicle does, for `come_back`.
 
         Parameters
@@ -84,29 +84,29 @@ class OneByOne(SuccessiveLp):
             Its number.
         """
         paths = self.paths
-        return Known(
+        return SoloPlan(
             self.hazards.models[vehicle],
             paths.controls[vehicle],
             paths.means[vehicle].copy(),
             float(self.missed[vehicle]),
         )
 
-    def come_back(self, vehicle: int, known: Known) -> None:
+    def come_back(self, vehicle: int, plan: SoloPlan) -> None:
         """Have a vehicle do again what it did.
 
         Parameters
         ----------
         vehicle : int
             Its number.
-        known : Known
-            What `known` returned.
+        plan : SoloPlan
+            What `solo_plan` returned.
         """
-        if self.hazards.models[vehicle] is not known.model:
-            self.make_visits(vehicle, known.model)
-        self.paths.fly(vehicle, known.controls)
-        if not self._is_at(vehicle, known.means):
-            self.paths.refer(vehicle, known.means)
-        self.missed[vehicle] = known.missed
+        if self.hazards.models[vehicle] is not plan.model:
+            self.make_visits(vehicle, plan.model)
+        self.paths.fly(vehicle, plan.controls)
+        if not self._is_at(vehicle, plan.means):
+            self.paths.refer(vehicle, plan.means)
+        self.missed[vehicle] = plan.missed
 
     def keep_clear(
         self,
@@ -134,7 +134,7 @@ class OneByOne(SuccessiveLp):
             How far half-spaces are missed [m]; inf where it does not reach its goal at all.
         """
         rounds, penalty = tries[0], tries[1] * self._meter
-        most, is_flown = float(self.hazards.moves[vehicle]), self._is_flown(vehicle)
+        most, is_flown = float(self.hazards.reaches[vehicle]), self._is_flown(vehicle)
         reach, least = most * (_REACH if is_flown else 1.0), np.inf
         self.missed[vehicle] = np.inf
         for number in range(rounds):
@@ -266,7 +266,7 @@ class OneByOne(SuccessiveLp):
             As in `keep_clear`.
         """
         rounds, penalty = tries[0], tries[1] * self._meter
-        reach = _REACH * float(self.hazards.moves[list(group)].max())
+        reach = _REACH * float(self.hazards.reaches[list(group)].max())
         program = self._tour(group)
         for _ in range(rounds):
             near = Near(clearance, reach, is_refined=False, is_start_given=True)

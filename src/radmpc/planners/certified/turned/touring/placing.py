@@ -10,9 +10,9 @@ from radmpc.arrays import Matrix
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.paths import Paths, timed_by_visits
 from radmpc.planners.certified.turned.touring.crowding import crowding
-from radmpc.planners.certified.turned.touring.known import Known
 from radmpc.planners.certified.turned.touring.one_by_one import Counts, OneByOne
 from radmpc.planners.certified.turned.touring.shifting import shifted, warped
+from radmpc.planners.certified.turned.touring.solo_plan import SoloPlan
 from radmpc.planners.certified.turned.touring.tour import Tour, tour
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
@@ -34,7 +34,7 @@ _TOO_MUCH = 40.0
 first plans of 50 take 5 % less time and cost 2 % more."""
 
 _TINY = 1e-6
-"""Distance below which corners of a way are the same [m]."""
+"""Distance below which corners of a route are the same [m]."""
 
 
 class Placing:
@@ -66,7 +66,7 @@ class Placing:
     ) -> None:
         self._models, self._limits, self._clearance = models, limits, clearance
         self._clear = Clear.of(hazards)
-        self._alone: list[Known] = []
+        self._alone: list[SoloPlan] = []
         self.successive = OneByOne(hazards, limits)
 
     @property
@@ -79,34 +79,34 @@ class Placing:
         """What a path may miss to be mended as it is [m]."""
         return _TOO_MUCH * float(self.successive.hazards.radii.mean())
 
-    def _go_around(self, i: int, way: Matrix, among: Counts) -> None:
+    def _go_around(self, i: int, route: Matrix, among: Counts) -> None:
         """Plan a vehicle around obstacles, as if there were no others."""
         successive = self.successive
-        successive.refer(i, timed_by_visits(successive.hazards.models[i], way))
+        successive.refer(i, timed_by_visits(successive.hazards.models[i], route))
         if self._kept(i, among) > self._few:
-            self._pace(i, way, among)
+            self._pace(i, route, among)
         self._shift(i, among)
 
     def _place(self, i: int, among: Counts) -> None:
         """Plan a vehicle around obstacles and those that count."""
-        way, successive = _as_flown(self.successive.paths, i), self.successive
+        route, successive = _as_flown(self.successive.paths, i), self.successive
         if successive.lack(i, self._clearance, among) > self._too_much:
             successive.missed[i] = np.inf
-            self._pace(i, way, among)
+            self._pace(i, route, among)
             if successive.missed[i] < np.inf:
                 return
         if self._kept(i, among) > self._few:
-            self._pace(i, way, among)
+            self._pace(i, route, among)
 
     def _kept(self, i: int, among: Counts) -> float:
         """Plan a vehicle from its latest path on; return what it misses [m]."""
         return self.successive.keep_clear(i, self._clearance, (_ROUNDS, _PENALTY), among)
 
-    def _pace(self, i: int, way: Matrix, among: Counts) -> None:
-        """Plan a vehicle on a way at the best pace, if that leads to a better path."""
+    def _pace(self, i: int, route: Matrix, among: Counts) -> None:
+        """Plan a vehicle on a route at the best pace, if that leads to a better path."""
         successive, model = self.successive, self._models[i]
-        hazards, before = successive.hazards, successive.known(i)
-        found = self._toured(i, way)
+        hazards, before = successive.hazards, successive.solo_plan(i)
+        found = self._toured(i, route)
         if found is None:
             return
         counts = among[:-1].copy()
@@ -125,19 +125,19 @@ class Placing:
     def _shift(self, i: int, among: Counts) -> None:
         """Have a vehicle that misses much make one visit a step sooner or later, if that helps."""
         successive, model = self.successive, self._models[i]
-        before = kept = successive.known(i)
+        before = kept = successive.solo_plan(i)
         if not model.vehicle.via or before.missed <= self._few:
             return
         for moved in shifted(model, [first for first, _ in windows_of(before.model)]):
             self._visit_at(i, before, moved)
             if self._kept(i, among) < kept.missed:
-                kept = successive.known(i)
+                kept = successive.solo_plan(i)
             if kept.missed <= self._few:
                 break
         successive.come_back(i, kept)
 
-    def _visit_at(self, i: int, known: Known, steps: tuple[int, ...]) -> None:
-        """Have a vehicle make its visits at other steps, on the way that it knows."""
+    def _visit_at(self, i: int, known: SoloPlan, steps: tuple[int, ...]) -> None:
+        """Have a vehicle make its visits at other steps, on the route that it knows."""
         model, given = self._models[i], known.model
         arrival = None
         if model.time_cost > 0.0:
@@ -146,20 +146,20 @@ class Placing:
         self.successive.make_visits(i, at_steps(model, steps, arrival))
         self.successive.refer(i, warped(known.means, before, steps))
 
-    def _toured(self, i: int, way: Matrix) -> Tour | None:
-        """Lay out a way."""
+    def _toured(self, i: int, route: Matrix) -> Tour | None:
+        """Lay out a route."""
         assert self._clear is not None
-        kept = np.append(True, np.linalg.norm(np.diff(way, axis=0), axis=1) > _TINY)
+        kept = np.append(True, np.linalg.norm(np.diff(route, axis=0), axis=1) > _TINY)
         if kept.sum() < 2:
             return None
         known = self._clear, self._clearance
-        return tour(self.successive.hazards, self._models[i], i, way[kept], known)
+        return tour(self.successive.hazards, self._models[i], i, route[kept], known)
 
 
 def _as_flown(paths: Paths, i: int) -> Matrix:
     """Return the places of a path at its steps and half-way between them, (2T+1, d) [m]."""
     steps = paths.means[i]
     middles = 0.5 * (steps[1:] + steps[:-1]) + paths.sagittas[i]
-    way = np.empty((len(steps) + len(middles), steps.shape[1]))
-    way[::2], way[1::2] = steps, middles
-    return way
+    route = np.empty((len(steps) + len(middles), steps.shape[1]))
+    route[::2], route[1::2] = steps, middles
+    return route

@@ -1,4 +1,4 @@
-"""The pace of a vehicle from visit to visit on a given way: at which steps it makes them."""
+"""The pace of a vehicle from visit to visit on a given route: at which steps it makes them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from radmpc.records import dataclass, replace
 __all__ = ["Tour", "tour"]
 
 _FINENESS = 0.5
-"""Places on the way, in multiples of the usual number [-]: a pace takes some 10 ms."""
+"""Places on the route, in multiples of the usual number [-]: a pace takes some 10 ms."""
 
 _NEAR = 1.3
 """Multiple of the size of a box that counts as in it [-]: no path is just as places are."""
@@ -25,7 +25,7 @@ _NEAR = 1.3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tour:
-    """A way laid out, with the visits on it.
+    """A route laid out, with the visits on it.
 
     Attributes
     ----------
@@ -46,10 +46,10 @@ def tour(
     hazards: Hazards,
     model: CondensedModel,
     i: int,
-    way: Matrix,
+    route: Matrix,
     kept: tuple[Clear, float],
 ) -> Tour | None:
-    """Lay out a way with the visits on it.
+    """Lay out a route with the visits on it.
 
     Parameters
     ----------
@@ -59,17 +59,17 @@ def tour(
         The vehicle, visits at any step of their windows.
     i : int
         Its number.
-    way : (p, 2) array
-        Corners, no two in a row at the same place; the way passes all boxes in order [m].
+    route : (p, 2) array
+        Corners, no two in a row at the same place; the route passes all boxes in order [m].
     kept : tuple of Clear and float
         How far places are from obstacles, and standard deviations to keep from them [-].
 
     Returns
     -------
     Tour or None
-        None where the way is too long for that.
+        None where the route is too long for that.
     """
-    laid_out = track(hazards, i, way, kept, _FINENESS)
+    laid_out = track(hazards, i, route, kept, _FINENESS)
     if laid_out is None:
         return None
     visits = _visits(model, laid_out.places)
@@ -114,7 +114,7 @@ def _due(
     model: CondensedModel, laid_out: Track, visits: Indices, length: float
 ) -> Iterator[Closeness]:
     """Yield what it costs to be past a box before its window, or short of it after."""
-    start, moves = np.arange(len(laid_out.places)), laid_out.num_moves
+    start, moves = np.arange(len(laid_out.places)), laid_out.num_displacements
     horizon, last_place = model.horizon, len(laid_out.places) - 1
     bounds = []
     for (begin, end), (first, last) in zip(visits.tolist(), windows_of(model), strict=True):

@@ -1,7 +1,7 @@
 """Vehicles planned one after the other, each with its visits at steps that keep it off the others.
 
 A path in empty space with visits at the cheapest steps is kept where it is clear of what is in the
-way. Else the vehicle goes the same way at another pace, found by dynamic programming: that tells
+way. Else the vehicle goes the same route at another pace, found by dynamic programming: that tells
 the steps of its visits, and on which side it passes everything else. Controls follow by successive
 linear programs. (Prioritized planning, Erdmann and Lozano-Perez 1987.)
 """
@@ -61,27 +61,27 @@ _FALLS = 0.7
 class Touring(Placing):
     """A fleet that is planned one vehicle after the other."""
 
-    def run(self, alone: Paths, ways: Mapping[int, Matrix]) -> bool:
+    def run(self, alone: Paths, routes: Mapping[int, Matrix]) -> bool:
         """Plan everyone; tell whether all vehicles were.
 
         Parameters
         ----------
         alone : Paths
             What vehicles do by themselves.
-        ways : mapping of int to (p, 2) array
-            Ways around obstacles of those that these stop [m].
+        routes : mapping of int to (p, 2) array
+            Routes around obstacles of those that these stop [m].
         """
         if self._clear is None:
             return False
         self.successive.begin(alone.controls)
         among = _nobody(self.successive.hazards)
-        for i, way in ways.items():
+        for i, route in routes.items():
             if self._limits.reached:
                 return False
-            self._go_around(i, way, among)
+            self._go_around(i, route, among)
         # Who is not planned yet is at its start at first and at its goal in the end in any case.
         among[:, :_ENDS] = among[:, -_ENDS:] = True
-        self._alone = [self.successive.known(i) for i in range(self.successive.hazards.count)]
+        self._alone = [self.successive.solo_plan(i) for i in range(self.successive.hazards.count)]
         self._rest_at_ends()
         for i in self._tightest_first():
             if self._limits.reached:
@@ -101,7 +101,7 @@ class Touring(Placing):
         """
         successive = self.successive
         among = np.ones((successive.hazards.count + 1, successive.hazards.horizon), bool)
-        beyond = np.array([successive.known(i).effort for i in range(successive.hazards.count)])
+        beyond = np.array([successive.solo_plan(i).effort for i in range(successive.hazards.count)])
         if self._alone:
             beyond -= [each.effort for each in self._alone]
         for i in np.argsort(-beyond, kind="stable").tolist():
@@ -112,15 +112,15 @@ class Touring(Placing):
     def _is_improved(self, i: int, among: Counts) -> bool:
         """Try other steps for each visit of a vehicle; tell whether any is cheaper."""
         successive, model = self.successive, self._models[i]
-        before = kept = successive.known(i)
+        before = kept = successive.solo_plan(i)
         steps = [first for first, _ in windows_of(before.model)]
         for moved in shifted(model, steps):
             if self._limits.reached:
                 break
             self._visit_at(i, before, moved)
             missed = successive.keep_clear(i, self._clearance, _TRIES, among)
-            if missed <= self._few and successive.known(i).effort < _PAYS * kept.effort:
-                kept = successive.known(i)
+            if missed <= self._few and successive.solo_plan(i).effort < _PAYS * kept.effort:
+                kept = successive.solo_plan(i)
         successive.come_back(i, kept)
         return kept is not before
 

@@ -1,4 +1,4 @@
-"""Ways through a lane, in haste and at leisure, and past a wall."""
+"""Routes through a lane, in haste and at leisure, and past a wall."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_gaps_are_seen_at_steps_and_along_intervals(avoidance):
     scenario = replace(lane(gap=(-0.7, 0.8)), avoidance=avoidance)
     problem = problem_of(scenario)
     avoidances = half_planes_of(
-        problem.program, scenario.horizon, problem.passage.path_search.places
+        problem.program, scenario.horizon, problem.passage.path_search.output_slice
     )
     assert gap_middles(avoidances, 1, 3.0) == [pytest.approx(0.05)]
 

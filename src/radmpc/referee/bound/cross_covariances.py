@@ -14,11 +14,11 @@ from radmpc.arrays import Indices, Tensor
 from radmpc.records import dataclass
 from radmpc.referee.common import FleetCommon
 
-__all__ = ["Crossings", "crossings"]
+__all__ = ["CrossCovariances", "cross_covariances"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Crossings:
+class CrossCovariances:
     """What is taken off the moments of differences, once for ``own`` and ``bent``, else in all.
 
     Attributes
@@ -37,7 +37,9 @@ class Crossings:
     bent_with_far: Tensor
 
 
-def crossings(common: FleetCommon, first: Indices, other: Indices, parts: int) -> Crossings:
+def cross_covariances(
+    common: FleetCommon, first: Indices, other: Indices, parts: int
+) -> CrossCovariances:
     """Return the covariances between pairs of vehicles at the ends of parts of steps.
 
     Parameters
@@ -63,13 +65,13 @@ def crossings(common: FleetCommon, first: Indices, other: Indices, parts: int) -
             own[block, now] = found[0]
             for piece, values in zip(pieces, found[1:], strict=True):
                 piece[block, now] = values
-    return Crossings(own, *pieces)
+    return CrossCovariances(own, *pieces)
 
 
 def _step(
     common: FleetCommon, pair: tuple[Indices, Indices], crossed: Tensor, k: int, parts: int
 ) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-    """Return the covariances of a step's parts, (P, M, d, d) each, in the order of `Crossings`."""
+    """Return the covariances of a step's parts, (P, M, d, d) each, as in `CrossCovariances`."""
     i, j = pair
     s = (np.arange(parts + 1) / parts)[:, None, None]
     (near_i, bent_i, far_i), (near_j, bent_j, far_j) = (

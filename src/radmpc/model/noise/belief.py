@@ -16,11 +16,11 @@ from radmpc.arrays import Frozen, Matrix, Vector, as_covariance, as_matrix, as_v
 from radmpc.model.noise.shared import SharedDisturbance, lasting_parts
 from radmpc.records import dataclass
 
-__all__ = ["Known"]
+__all__ = ["Belief"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Known(Frozen):
+class Belief(Frozen):
     """What is known at k = 0, everything measured there included.
 
     Attributes
@@ -55,16 +55,16 @@ class Known(Frozen):
 
     def __post_init__(self) -> None:
         """Freeze the arrays."""
-        mean = as_vector(self.disturbance, path=("known", "disturbance"))
+        mean = as_vector(self.disturbance, path=("belief", "disturbance"))
         object.__setattr__(self, "disturbance", mean)
-        covariance = as_covariance(self.covariance, 2 * mean.size, ("known", "covariance"))
+        covariance = as_covariance(self.covariance, 2 * mean.size, ("belief", "covariance"))
         object.__setattr__(self, "covariance", covariance)
         if self.lasting is not None:
-            lasting = as_vector(self.lasting, path=("known", "lasting"))
+            lasting = as_vector(self.lasting, path=("belief", "lasting"))
             object.__setattr__(self, "lasting", lasting)
         if self.common is not None:
             size = 2 * mean.size + (0 if self.lasting is None else self.lasting.size)
-            common = as_matrix(self.common, (size, None), ("known", "common"))
+            common = as_matrix(self.common, (size, None), ("belief", "common"))
             object.__setattr__(self, "common", common)
 
     def pushes(

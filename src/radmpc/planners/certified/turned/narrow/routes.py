@@ -1,4 +1,4 @@
-"""Ways for vehicles to be paced on: the shortest, and those that paths on coarser grids take."""
+"""Routes for vehicles to be paced on: the shortest, and those that paths on coarser grids take."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from itertools import pairwise
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.planners.certified.turned.detours import detours, ways_beside
+from radmpc.planners.certified.turned.detours import detours, routes_beside
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
-__all__ = ["pulled_ways", "shortest_ways"]
+__all__ = ["pulled_routes", "shortest_routes"]
 
 _LITTLE = 1e-6
-"""Distance below which points of a way are the same [m]."""
+"""Distance below which points of a route are the same [m]."""
 
 
-def shortest_ways(
+def shortest_routes(
     hazards: Hazards, clear: Clear, clearance: float
 ) -> Mapping[int, Sequence[Matrix]]:
-    """Return the corners of each vehicle's shortest way around obstacles.
+    """Return the corners of each vehicle's shortest route around obstacles.
 
     Parameters
     ----------
@@ -30,13 +30,13 @@ def shortest_ways(
         As in `Pacing`.
     """
     found = detours(hazards, range(hazards.count), clearance, clear.grid)
-    return {i: [_distinct(clear.pulled(way, _room(hazards, i)))] for i, way in found.items()}
+    return {i: [_distinct(clear.pulled(route, _room(hazards, i)))] for i, route in found.items()}
 
 
-def pulled_ways(
+def pulled_routes(
     hazards: Hazards, clear: Clear, paths: Mapping[int, Matrix], clearance: float
 ) -> Mapping[int, Sequence[Matrix]]:
-    """Return the corners of the ways that paths take between places of rest, and of ways beside.
+    """Return the corners of the routes of paths between places of rest, and of routes beside.
 
     Parameters
     ----------
@@ -47,16 +47,16 @@ def pulled_ways(
     """
     parts = {i: _parts(path) for i, path in paths.items()}
     far = TUNING.beside * float(hazards.radii.max())
-    beside = ways_beside(hazards, clear.grid, parts, clearance, far)
+    beside = routes_beside(hazards, clear.grid, parts, clearance, far)
     found = {}
     for i in paths:
         goal = hazards.models[i].vehicle.goal
         ends = hazards.models[i].drift_position[:1], 0.5 * (goal.lower + goal.upper)
         found[i] = [
             _distinct(
-                np.vstack([ends[0], *(clear.pulled(p, _room(hazards, i)) for p in way), ends[1]])
+                np.vstack([ends[0], *(clear.pulled(p, _room(hazards, i)) for p in route), ends[1]])
             )
-            for way in (parts[i], beside[i])
+            for route in (parts[i], beside[i])
         ]
     return found
 
@@ -64,7 +64,7 @@ def pulled_ways(
 def _parts(path: Matrix) -> list[Matrix]:
     """Return the pieces of a path between places of rest.
 
-    Whoever waits does so for a reason: pulled straight across, a way would lead through others.
+    Whoever waits does so for a reason: pulled straight across, a route would lead through others.
     """
     is_rest = np.append(False, ~np.diff(path, axis=0).any(axis=1))
     moving = path[~is_rest]
@@ -79,9 +79,9 @@ def _room(hazards: Hazards, i: int) -> float:
     return float(hazards.radii[i]) + TUNING.corner_sigmas * spread
 
 
-def _distinct(way: Matrix) -> Matrix:
-    """Return a way without points that repeat the one before."""
-    moved = np.linalg.norm(np.diff(way, axis=0), axis=1) > _LITTLE
+def _distinct(route: Matrix) -> Matrix:
+    """Return a route without points that repeat the one before."""
+    moved = np.linalg.norm(np.diff(route, axis=0), axis=1) > _LITTLE
     if not moved.any():
-        return np.asarray(np.vstack([way[0], way[0] + _LITTLE]))
-    return np.asarray(way[np.append(True, moved)])
+        return np.asarray(np.vstack([route[0], route[0] + _LITTLE]))
+    return np.asarray(route[np.append(True, moved)])

@@ -1,4 +1,4 @@
-"""Of several ways around obstacles a first plan begins with the one of least effort."""
+"""Of several routes around obstacles a first plan begins with the one of least effort."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.planners.certified.turned.detours import Toll, detours
 from radmpc.planners.certified.turned.grid import Grid
 from radmpc.planners.certified.turned.narrow import cheapest
-from radmpc.planners.certified.turned.narrow.cheapest import cheapest_ways
+from radmpc.planners.certified.turned.narrow.cheapest import cheapest_routes
 from radmpc.planners.certified.turned.paths import timed_by_visits
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
@@ -25,22 +25,22 @@ from radmpc.solvers.solution import Limits
 CLEARANCE = 2.5
 
 
-def efforts(hazards: Hazards, ways: Mapping[int, Matrix]) -> list[float]:
-    """Return everyone's effort once all are kept apart, begun with some ways."""
+def efforts(hazards: Hazards, routes: Mapping[int, Matrix]) -> list[float]:
+    """Return everyone's effort once all are kept apart, begun with some routes."""
     successive = SuccessiveLp(hazards, Limits())
     assert successive.begin_alone()
-    for i, way in ways.items():
-        successive.refer(i, timed_by_visits(hazards.models[i], way))
+    for i, route in routes.items():
+        successive.refer(i, timed_by_visits(hazards.models[i], route))
     assert successive.keep_apart(CLEARANCE, TUNING.max_sweeps)
     return [float(np.abs(u).sum()) for u in successive.paths.controls]
 
 
 def chosen(hazards: Hazards) -> dict[int, Matrix]:
-    """Return the ways of all vehicles that a first plan would begin with."""
+    """Return the routes of all vehicles that a first plan would begin with."""
     alone = SuccessiveLp(hazards, Limits())
     assert alone.begin_alone()
     everyone = range(hazards.count)
-    return cheapest_ways(hazards, alone.paths, everyone, CLEARANCE, Limits())
+    return cheapest_routes(hazards, alone.paths, everyone, CLEARANCE, Limits())
 
 
 def test_who_would_go_far_around_goes_through_a_gap_where_that_takes_less_effort() -> None:
@@ -55,9 +55,9 @@ def test_in_large_fleets_the_shortest_way_is_taken(monkeypatch: pytest.MonkeyPat
     scenario = clutter(2, 100, 9)
     hazards = Hazards.of(scenario, condensed_models(scenario))
     monkeypatch.setattr(cheapest, "TUNING", replace(TUNING, weighed=1))
-    ways, shortest = chosen(hazards), detours(hazards, [0, 1], CLEARANCE)
-    assert ways.keys() == shortest.keys()
-    assert all(np.array_equal(ways[i], shortest[i]) for i in ways)
+    routes, shortest = chosen(hazards), detours(hazards, [0, 1], CLEARANCE)
+    assert routes.keys() == shortest.keys()
+    assert all(np.array_equal(routes[i], shortest[i]) for i in routes)
 
 
 def test_a_way_beside_another_leads_through_another_gap() -> None:
@@ -72,6 +72,6 @@ def test_a_way_beside_another_leads_through_another_gap() -> None:
     grid = Grid.of(hazards)
     first = detours(hazards, [0], 0.0, grid)[0]
     second = detours(hazards, [0], 0.0, grid, Toll(beside=(first,)))[0]
-    heights = [way[np.abs(way[:, 0] - 5.0).argmin(), 1] for way in (first, second)]
+    heights = [route[np.abs(route[:, 0] - 5.0).argmin(), 1] for route in (first, second)]
     assert abs(heights[0]) < 1.0
     assert 2.0 < heights[1] < 4.0

@@ -10,11 +10,11 @@ from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass
 
-__all__ = ["Known", "heights_on"]
+__all__ = ["SoloPlan", "heights_on"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Known:
+class SoloPlan:
     """What a vehicle does.
 
     Attributes

@@ -11,7 +11,7 @@ from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
 
-__all__ = ["Meeting", "end_normals", "meeting_encounter", "meeting_normals", "start_normals"]
+__all__ = ["PairWindows", "end_normals", "pair_encounter", "pair_normals", "start_normals"]
 
 _TINY = 1e-12
 """Stands for a length of 0 where one divides by it [m]."""
@@ -23,14 +23,14 @@ _CLEAR = 10.0
 """Clearance along the line of closest approach from which on they are not, where more meet
 [standard deviations]."""
 
-Meeting = tuple[Indices, ...]
+PairWindows = tuple[Indices, ...]
 """Two vehicles and a window, (w,) each."""
 
 
-def meeting_normals(
+def pair_normals(
     hazards: Hazards,
     both: tuple[Paths, Paths],
-    meeting: Meeting,
+    pairing: PairWindows,
     distance: Vector,
     *,
     is_refined: bool,
@@ -43,7 +43,7 @@ def meeting_normals(
         The fleet.
     both : tuple of Paths
         The latest, and where they are expected to move.
-    meeting : Meeting
+    pairing : PairWindows
         Who meets whom when.
     distance : (w,) array
         Distance to keep [m].
@@ -51,7 +51,7 @@ def meeting_normals(
         Whether the best are asked for.
     """
     paths = both[0]
-    first, second, window = meeting
+    first, second, window = pairing
     relative = paths.means[first, window] - paths.means[second, window]
     end = paths.means[first, window + 1] - paths.means[second, window + 1]
     pairs = np.stack([relative, end], axis=1)
@@ -60,29 +60,33 @@ def meeting_normals(
     tried = around_approach(closest, end - relative, distance, signs, many=is_refined)
     if not (is_refined and first.size):
         return np.asarray(tried[:, 0])
-    near = _to_refine(hazards, both, meeting, distance, tried[:, 0])
+    near = _to_refine(hazards, both, pairing, distance, tried[:, 0])
     normals: Matrix = tried[:, 0].copy()
     some = first[near], second[near], window[near]
-    each = [meeting_encounter(hazards, latest, some, distance[near]) for latest in both]
+    each = [pair_encounter(hazards, latest, some, distance[near]) for latest in both]
     normals[near] = refined((each[0], each[1]), tried[near])
     return normals
 
 
 def _to_refine(
-    hazards: Hazards, both: tuple[Paths, Paths], meeting: Meeting, distance: Vector, normals: Matrix
+    hazards: Hazards,
+    both: tuple[Paths, Paths],
+    pairing: PairWindows,
+    distance: Vector,
+    normals: Matrix,
 ) -> npt.NDArray[np.bool_]:
     """Return where more room is worth seeking: everywhere if few meet, else where they are near."""
     if distance.size <= _FEW:
         return np.ones(distance.size, dtype=bool)
     clearances = (
-        meeting_encounter(hazards, latest, meeting, distance).clearances(normals[:, None])[:, 0]
+        pair_encounter(hazards, latest, pairing, distance).clearances(normals[:, None])[:, 0]
         for latest in both
     )
     return np.asarray(np.minimum(*clearances) < _CLEAR)
 
 
-def meeting_encounter(
-    hazards: Hazards, paths: Paths, meeting: Meeting, distance: Vector
+def pair_encounter(
+    hazards: Hazards, paths: Paths, pairing: PairWindows, distance: Vector
 ) -> Encounter:
     """Return where two vehicles are to each other at both ends of windows.
 
@@ -90,10 +94,10 @@ def meeting_encounter(
     ----------
     hazards, paths : Hazards and Paths
         The fleet, and its paths.
-    meeting, distance
-        As in `meeting_normals`.
+    pairing, distance
+        As in `pair_normals`.
     """
-    first, second, window = meeting
+    first, second, window = pairing
 
     def supports(directions: Tensor) -> tuple[Vector, Vector]:
         reach = np.broadcast_to(distance[:, None], directions.shape[:2])
@@ -110,7 +114,11 @@ def meeting_encounter(
 
 
 def end_normals(
-    hazards: Hazards, paths: Paths, meeting: Meeting, normals: Matrix, near: tuple[Vector, float]
+    hazards: Hazards,
+    paths: Paths,
+    pairing: PairWindows,
+    normals: Matrix,
+    near: tuple[Vector, float],
 ) -> tuple[Matrix, npt.NDArray[np.bool_]]:
     """Turn the normals of first and last windows as `start_normals` does, to starts and to goals.
 
@@ -120,7 +128,7 @@ def end_normals(
         The fleet.
     paths : Paths
         The latest.
-    meeting : tuple of (w,) int array
+    pairing : tuple of (w,) int array
         Who meets whom, in which of these windows.
     normals : (w, d) array
         Unit normals.
@@ -132,8 +140,8 @@ def end_normals(
     (w, d) array, (w,) bool array
         As `start_normals` does.
     """
-    one, two, window = meeting
-    met, models = meeting_encounter(hazards, paths, meeting, near[0]), hazards.models
+    one, two, window = pairing
+    met, models = pair_encounter(hazards, paths, pairing, near[0]), hazards.models
     goals = [np.array([models[i].vehicle.goal.center for i in who.tolist()]) for who in (one, two)]
     given = np.where((window == 0)[:, None], met.ends[0], goals[0] - goals[1])
     return start_normals(met, normals, near[1], given)

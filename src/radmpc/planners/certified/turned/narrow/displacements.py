@@ -1,4 +1,4 @@
-"""Moves from place to place of a way, by the levels of speed at both of their ends.
+"""Moves from place to place of a route, by the levels of speed at both of their ends.
 
 A move from place p between levels a and b ends at p + a + b: what stands at its end, or is known by
 its length, is a view of that, several times as fast as by index.
@@ -10,7 +10,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
 
-__all__ = ["at_ends", "beyond", "by_lengths", "move_costs"]
+__all__ = ["at_ends", "beyond", "by_lengths", "displacement_costs"]
 
 
 def beyond(values: Tensor, count: int) -> Tensor:
@@ -56,7 +56,7 @@ def by_lengths(near: Matrix, shape: tuple[int, ...]) -> Tensor:
     return np.lib.stride_tricks.as_strided(near, shape, (length, length, place), writeable=False)
 
 
-def move_costs(
+def displacement_costs(
     places: Matrix, speeds: Tensor, gust: Vector, priced: tuple[float, float]
 ) -> tuple[Tensor, list[Tensor]]:
     """Return what moves cost but for room, (v, v, n), and changes of speed along each axis [m/s].
@@ -64,7 +64,7 @@ def move_costs(
     Parameters
     ----------
     places : (n, 2) array
-        Places on the way [m].
+        Places on the route [m].
     speeds : (v, n, 2) array
         Speeds there, level by level [m/s].
     gust : (2,) array

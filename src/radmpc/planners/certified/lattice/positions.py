@@ -33,7 +33,7 @@ class Lattice:
         First position along each axis, relative to the reference.
     shape : (int, int)
         Positions along each axis.
-    moves : int
+    reach : int
         Cells, either way, by which a displacement may differ from the reference's.
     lines : pair of array or None
         Where the positions are along each axis [m], if they are not evenly spaced.
@@ -44,15 +44,15 @@ class Lattice:
     reference: Indices
     first: Indices
     shape: tuple[int, int]
-    moves: int
+    reach: int
     lines: tuple[Vector, Vector] | None = None
 
     def positions(self, cells: Indices) -> Matrix:
         """Return where cells, counted from the start, are [m]."""
         if self.lines is None:
             return np.asarray(self.start + cells * self.stride)
-        places = (cells - self.first).T
-        return np.column_stack([line[p] for line, p in zip(self.lines, places, strict=True)])
+        indices = (cells - self.first).T
+        return np.column_stack([line[p] for line, p in zip(self.lines, indices, strict=True)])
 
     def axes(self, reference: Indices) -> list[Vector]:
         """Return the coordinates of positions around a reference along each axis [m]."""
@@ -62,7 +62,7 @@ class Lattice:
         return [self.start[a] + self.stride[a] * counts[a] for a in (0, 1)]
 
     def reached(
-        self, points: Matrix, places: tuple[Indices, Indices], steps: Indices
+        self, points: Matrix, indices: tuple[Indices, Indices], steps: Indices
     ) -> list[Matrix]:
         """Return where displacements from positions lead to, axis by axis.
 
@@ -70,7 +70,7 @@ class Lattice:
         ----------
         points : (p, 2) array
             The positions [m].
-        places : pair of (p,) int array
+        indices : pair of (p,) int array
             Their cells along each axis, counted from the first.
         steps : (s, 2) int array
             The displacements, in cells.
@@ -84,14 +84,14 @@ class Lattice:
             shift = steps * self.stride
             return [points[:, a][None, :] + shift[:, a][:, None] for a in (0, 1)]
         found: list[Matrix] = []
-        for line, place, moved in zip(self.lines, places, steps.T, strict=True):
-            ahead: Indices = np.add.outer(moved, place)
+        for line, index, moved in zip(self.lines, indices, steps.T, strict=True):
+            ahead: Indices = np.add.outer(moved, index)
             found.append(line[np.clip(ahead, 0, len(line) - 1)])
         return found
 
 
 def coarse_lattice(
-    model: CondensedModel, avoidances: list[list[AvoidanceHalfPlanes]], longest: Vector, moves: int
+    model: CondensedModel, avoidances: list[list[AvoidanceHalfPlanes]], longest: Vector, reach: int
 ) -> Lattice:
     """Return the lattice over everything within reach and borders.
 
@@ -103,7 +103,7 @@ def coarse_lattice(
         Those of each window.
     longest : (2,) array
         Its longest displacement along each axis [m].
-    moves : int
+    reach : int
         Cells that it is long.
     """
     start = model.drift_position[0]
@@ -111,14 +111,14 @@ def coarse_lattice(
     low = np.maximum(model.reach_lower, lower).min(axis=0)
     high = np.minimum(model.reach_upper, upper).max(axis=0)
     low, high = np.minimum(low - start, 0.0), np.maximum(high - start, 0.0)
-    stride = longest / moves
+    stride = longest / reach
     while np.prod(np.floor(high / stride) - np.ceil(low / stride) + 1) > TUNING.max_cells:
         stride = stride * 1.25
     first = np.ceil(low / stride).astype(np.int64)
     last = np.floor(high / stride).astype(np.int64)
     shape = (int(last[0] - first[0]) + 1, int(last[1] - first[1]) + 1)
     still = np.zeros((model.horizon + 1, 2), dtype=np.int64)
-    return Lattice(stride, start, still, first, shape, moves)
+    return Lattice(stride, start, still, first, shape, reach)
 
 
 def finer_lattice(lattice: Lattice, cells: Indices) -> Lattice:
@@ -137,7 +137,7 @@ def finer_lattice(lattice: Lattice, cells: Indices) -> Lattice:
         2 * cells,
         np.full(2, -TUNING.tube, dtype=np.int64),
         (2 * TUNING.tube + 1, 2 * TUNING.tube + 1),
-        TUNING.moves_around,
+        TUNING.displacements_around,
     )
 
 
