@@ -8,8 +8,8 @@ from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError
 from radmpc.flying.account import Account
 from radmpc.flying.candidates.judging import Candidate
-from radmpc.flying.candidates.pace import LATE, Timer
 from radmpc.flying.candidates.sources import Moment, Sources
+from radmpc.flying.candidates.times import LATE, Timer
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.measuring import check_number
 from radmpc.flying.sensing.evidence import Evidence

@@ -13,8 +13,8 @@ from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError
 from radmpc.flying.account import Account
 from radmpc.flying.candidates.judging import Planning, planning_with
-from radmpc.flying.candidates.pace import Timer
 from radmpc.flying.candidates.sources import Moment, Sources
+from radmpc.flying.candidates.times import Timer
 from radmpc.flying.commanding import commanded
 from radmpc.flying.deciding import (
     MISS_PRICE,

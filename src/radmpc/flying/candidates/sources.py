@@ -18,7 +18,7 @@ from radmpc.flying.candidates.judging import (
     leg_judged,
     load_planning,
 )
-from radmpc.flying.candidates.pace import Pace, Timer
+from radmpc.flying.candidates.times import DecisionTimes, Timer
 from radmpc.flying.knowing import expected_start
 from radmpc.flying.leg import Leg
 from radmpc.flying.remainder import left_of
@@ -93,7 +93,7 @@ class Sources:
         Plans for the next step; None is nobody.
     miss_price : float
         Effort that a meter beside a goal is worth [1/m].
-    pace : Pace
+    times : DecisionTimes
         How long candidates took to be judged.
     """
 
@@ -102,7 +102,7 @@ class Sources:
     is_warm: bool
     background: Background | None
     miss_price: float
-    pace: Pace = field(default_factory=Pace)
+    times: DecisionTimes = field(default_factory=DecisionTimes)
 
     @classmethod
     def of(
@@ -150,7 +150,7 @@ class Sources:
         if self.planning is not None and self.background is None:
             load_planning(self.planning)
             judge = partial(leg_judged, controls, Order(left, left, leg.began), leg.began, starts)
-            self.pace.in_time(judge, Timer(clock, float("inf")), left.horizon)
+            self.times.in_time(judge, Timer(clock, float("inf")), left.horizon)
         if not self.is_warm or scenario.has_windows:
             return
         asked = Try(left, controls, is_safest=False, is_stopped=lambda: False)
@@ -216,7 +216,7 @@ class Sources:
         left = moment.left(grant)
         controls = leg.mean_controls(moment.step, moment.states)
         scale = moment.evidence.scale
-        is_stopped = partial(self.pace.is_too_late, timer, left.horizon)
+        is_stopped = partial(self.times.is_too_late, timer, left.horizon)
         # Where no plan to the goals is affordable, one that ends beside them may be.
         tries: list[float | None] = [None] * _TRIES
         tries += [self.miss_price] * (_TRIES if self.miss_price > 0.0 else 0)
@@ -234,7 +234,7 @@ class Sources:
                 return
             order = Order(left, found[1], moment.step, scale)
             judge = partial(leg_judged, found[0], order, moment.step, moment.states, scale)
-            offer = self.pace.in_time(judge, timer, left.horizon)
+            offer = self.times.in_time(judge, timer, left.horizon)
             yield offer
             if offer.price is None or moment.is_unsafe or timer.is_over():
                 return
@@ -266,7 +266,7 @@ class Sources:
         """Return what a planner finds in the time that is left."""
         left, scale = moment.left(grant), moment.evidence.scale
         order = Order(left, widened(left), moment.step, scale)
-        seconds = self.pace.planning_seconds(timer, left.horizon)
+        seconds = self.times.planning_seconds(timer, left.horizon)
         if seconds == 0.0:
             return Candidate(None, None, "there was no time to plan")
         begun = timer.clock()
@@ -275,6 +275,6 @@ class Sources:
         except Exception as error:
             return failed(error)
         if seconds is not None:
-            self.pace.note_overrun(timer.clock() - begun - seconds)
+            self.times.note_overrun(timer.clock() - begun - seconds)
         judge = partial(judged, answer, order, moment.step, moment.states, scale)
-        return self.pace.in_time(judge, timer, left.horizon)
+        return self.times.in_time(judge, timer, left.horizon)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from radmpc.flying.candidates.judging import Candidate
 from radmpc.records import dataclass
 
-__all__ = ["LATE", "Pace", "Timer"]
+__all__ = ["LATE", "DecisionTimes", "Timer"]
 
 LATE = "the candidate came too late"
 """Why a candidate is not flown that is there when the decision is due."""
@@ -59,7 +59,7 @@ class Timer:
 
 
 @dataclass(slots=True)
-class Pace:
+class DecisionTimes:
     """How long judging took, and planning past its limit: what the next ones are expected to take.
 
     Attributes
