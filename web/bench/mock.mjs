@@ -74,7 +74,7 @@ function plan(args, send) {
   const search = {
     search: `s${Date.now()}`, document: doc.id, revision: doc.revision, planner: args.planner,
     state: "running", seconds: 0, limit: args.seconds, stage: "sets", cost: null, bound: null, gap: null,
-    found: 0, told: null,
+    found: 0, note: null,
   };
   doc.searches = [search];
   const timer = setInterval(() => {
@@ -85,7 +85,7 @@ function plan(args, send) {
     const found = search.found + 1;
     Object.assign(search, {
       seconds: found * 0.4, cost: view.summary.cost, bound: 9.9, gap: view.summary.cost / 9.9 - 1, found,
-      state: found < 3 ? "running" : "ended", told: found < 3 ? null : "Made up: this is the mock.",
+      state: found < 3 ? "running" : "ended", note: found < 3 ? null : "Made up: this is the mock.",
     });
     send({ event: "plan", document: doc.id, summary: view.summary, search: search.search });
     send({ event: "search", state: { ...search } });

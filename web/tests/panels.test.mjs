@@ -45,7 +45,7 @@ const tick = (step, isReplan = false) => ({
 });
 const FLIGHT = {
   flight: "f1", document: "d1", plan: "p1", state: "running", step: 4, steps: 8, riskBound: 0.05,
-  ticks: [tick(0), tick(2, true), tick(4)], told: null,
+  ticks: [tick(0), tick(2, true), tick(4)], note: null,
 };
 
 test("a time shows the last tick before it", () => {
@@ -93,9 +93,9 @@ test("arrows go from step to step, with Shift by tenths, and never beyond", () =
 });
 
 test("what is spoken of a search does not change with the clock", () => {
-  const search = { state: "running", found: 2, cost: 18.5, told: null, seconds: 1 };
+  const search = { state: "running", found: 2, cost: 18.5, note: null, seconds: 1 };
   assert.equal(sentence(search), sentence({ ...search, seconds: 2 }));
-  assert.match(sentence({ ...search, state: "failed", told: "the worker died" }), /the worker died/u);
+  assert.match(sentence({ ...search, state: "failed", note: "the worker died" }), /the worker died/u);
 });
 
 test("an interval is judged against the certificate", () => {
