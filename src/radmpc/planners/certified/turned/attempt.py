@@ -41,6 +41,8 @@ class Begin:
         The vehicles with visits at any step of their windows; None where no step is to be chosen.
     is_any : bool
         Whether the first plan found will do, whatever others cost.
+    is_quick : bool
+        Whether that is not turned any further: the search will find a cheaper one, given time.
     """
 
     task: Task
@@ -51,6 +53,7 @@ class Begin:
     clearance: float
     to_choose: tuple[CondensedModel, ...] | None = None
     is_any: bool = False
+    is_quick: bool = False
 
     def referring(self, places: Mapping[int, Matrix]) -> Turning:
         """Return half-spaces turned to given positions, for all others to their paths alone."""

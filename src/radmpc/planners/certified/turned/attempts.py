@@ -54,7 +54,8 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     is_few = hazards.count <= TUNING.few and not (begin.routes or begin.is_any)
     num_sides = _SIDES if begin.to_choose is not None or is_few else 1
     beginnings = _attempts(begin, rng, limits)
-    for number, attempt in enumerate(beginnings, start=1):
+    for number, begun in enumerate(beginnings, start=1):
+        attempt = replace(begun, rounds=0) if begin.is_quick else begun
         missed, other = _turned(begin, attempt, limits)
         is_alike = abs(missed - least) <= TUNING.alike * least < np.inf
         if not other.controls and not is_known and is_alike:

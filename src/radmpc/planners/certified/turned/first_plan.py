@@ -69,13 +69,15 @@ def first_plan(
     largest = max(len(members) for members in sets)
     is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
     is_easy = not is_crowded and (not stopped.size or hazards.count > TUNING.few)
-    if is_easy and not is_needed and (largest == 1 or hazards.count > TUNING.few):
+    # A large fleet's first round may take all the time there is, and end without a plan.
+    is_short = hazards.count > TUNING.few and _is_short(task)
+    if is_easy and not is_needed and not is_short and (largest == 1 or hazards.count > TUNING.few):
         return FleetIncumbent()
     if is_easy and is_needed and largest == 1:
         found = _alone(task, alone)
         if found.controls:
             return found
-    if is_easy and not is_needed and _gives_way(task, alone, clearance):
+    if is_easy and not is_needed and not is_short and _gives_way(task, alone, clearance):
         return FleetIncumbent()
     from radmpc.planners.certified.turned.attempt import Begin  # noqa: PLC0415 - as below
     from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
@@ -87,13 +89,20 @@ def first_plan(
         from radmpc.planners.certified.turned.narrow.cheapest import cheapest_routes  # noqa: PLC0415 - loads graphs
 
         routes = cheapest_routes(hazards, alone, stopped, clearance, task.limits)
-    time_share = TUNING.easy_share if is_easy and not is_needed else TUNING.first_time_share
+    is_aside = is_easy and not (is_needed or is_short)
+    time_share = TUNING.easy_share if is_aside else TUNING.first_time_share
     seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
     # Where few meet, the relaxation tells the sides soon.
     is_any = is_easy and is_needed
     to_choose = None if visits is None else visits.to_choose
-    begin = Begin(task, alone, routes, sets, price, clearance, to_choose, is_any)
+    is_quick = is_easy and is_short
+    begin = Begin(task, alone, routes, sets, price, clearance, to_choose, is_any, is_quick)
     return tried(begin, rng, task.limits.within(seconds))
+
+
+def _is_short(task: Task) -> bool:
+    """Whether there is little time per vehicle."""
+    return task.limits.seconds_left < TUNING.short * task.hazards.count
 
 
 def _paths_alone(task: Task, visits: GoodVisits | None) -> Paths | None:
