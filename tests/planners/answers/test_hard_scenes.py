@@ -133,7 +133,7 @@ def test_no_search_makes_a_plan_of_a_contradiction():
     tree.run(10)
     assert tree.best is None
     assert tree.bound == np.inf
-    options = {"move": 1.0, "unit": 0.49, "price": 1.0, "scale": 1.0, "limits": Limits()}
+    options = {"longest_step": 1.0, "unit": 0.49, "price": 1.0, "scale": 1.0, "limits": Limits()}
     assert search_around(rater, program.slacks(z), None, max_nodes=10, **options) is None
     around = Neighborhood(program, 0.49, 1.0, 1.0, Limits(), 1.0, [0.0] * 3)
     assert around.place(z, [0, 1, 2]) is None

@@ -121,7 +121,7 @@ def test_a_search_around_a_plan_never_makes_it_worse():
             problem.rater,
             problem.program.slacks(before.z),
             before,
-            move=1.0,
+            longest_step=1.0,
             unit=UNIT,
             price=1.0,
             scale=1.0,

@@ -84,11 +84,7 @@ def first_plan(
 
     # Risk counts for more than effort at first: a falling price stays near what is certified.
     price *= TUNING.first_dear * alone.cost() / task.risk_bound
-    routes: dict[int, Matrix] = {}
-    if stopped.size:
-        from radmpc.planners.certified.turned.narrow.cheapest import cheapest_routes  # noqa: PLC0415 - loads graphs
-
-        routes = cheapest_routes(hazards, alone, stopped, clearance, task.limits)
+    routes = _routes(task, alone, stopped, clearance)
     is_aside = is_easy and not (is_needed or is_short)
     time_share = TUNING.easy_share if is_aside else TUNING.first_time_share
     seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
@@ -98,6 +94,15 @@ def first_plan(
     is_quick = is_easy and is_short
     begin = Begin(task, alone, routes, sets, price, clearance, to_choose, is_any, is_quick)
     return tried(begin, rng, task.limits.within(seconds))
+
+
+def _routes(task: Task, alone: Paths, stopped: np.ndarray, clearance: float) -> dict[int, Matrix]:
+    """Return routes around obstacles of those that these stop."""
+    if not stopped.size:
+        return {}
+    from radmpc.planners.certified.turned.narrow.cheapest import cheapest_routes  # noqa: PLC0415 - loads graphs
+
+    return cheapest_routes(task.hazards, alone, stopped, clearance, task.limits)
 
 
 def _is_short(task: Task) -> bool:
