@@ -100,6 +100,7 @@ pictures: $(INSTALLED_DEV) page ## the pictures in docs/images and the gallery's
 	$(BIN)/python docs/hooks/figures.py
 
 nightly: export RADMPC_THOROUGH = 1
+nightly: export PYTEST_TIMEOUT = 3600
 nightly: $(INSTALLED_SIMULATORS) coverage oldest ## what takes too long: all cases, simulators, a hunt
 	$(BIN)/python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs $(WORKERS) --out hunt.csv
 

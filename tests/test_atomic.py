@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from radmpc.atomic import write_text
+from radmpc.system.atomic import write_text
 
 SIZE = 8_000_000
 
 WRITER = f"""
 import sys
-from radmpc.atomic import write_text
+from radmpc.system.atomic import write_text
 while True:
     for letter in "ab":
         write_text(sys.argv[1], letter * {SIZE})

@@ -6,6 +6,8 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -170,10 +172,27 @@ def test_one_job_needs_no_processes() -> None:
         assert executor is None
 
 
-def test_workers_ignore_interrupts() -> None:
+def test_workers_are_beyond_interrupts() -> None:
     with workers(2) as executor:
         assert executor is not None
-        assert executor.submit(signal.getsignal, signal.SIGINT).result() is signal.SIG_IGN
+        for _ in range(4):
+            os.kill(executor.submit(os.getpid).result(), signal.SIGINT)
+        assert executor.submit(abs, -1).result() == 1
+
+
+def test_an_interrupt_while_workers_start_is_answered(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = ProcessPoolExecutor.submit
+
+    def submit(pool: ProcessPoolExecutor, task: Callable[[], object]) -> Future[object]:
+        monkeypatch.undo()
+        os.kill(os.getpid(), signal.SIGINT)
+        return right(pool, task)
+
+    monkeypatch.setattr(ProcessPoolExecutor, "submit", submit)
+    with stop_on_interrupt() as is_stopped, workers(2) as executor:
+        assert is_stopped()
+        assert executor is not None
+        assert executor.submit(abs, -1).result() == 1
 
 
 def test_workers_may_start_outside_the_main_thread() -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from importlib.resources import files
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 import pytest
@@ -16,6 +19,8 @@ from test_serving_jobs import two
 from websockets.sync.client import connect
 
 from radmpc.io.text.json_text import write_json
+from radmpc.serving.failures import CallError
+from radmpc.serving.processes.worker import Worker
 
 HARBOR = files("radmpc.data").joinpath("harbor.yaml").read_text(encoding="utf-8")
 
@@ -27,6 +32,18 @@ def served(tmp_path_factory):
     (folder / "two.json").write_text(write_json(two()), encoding="utf-8")
     with Site(folder) as site:
         yield site
+
+
+@contextmanager
+def started(command, folder):
+    """Start a command that is gone in the end, whatever it was told: nobody waits for it."""
+    with subprocess.Popen(
+        command, cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 def is_there(pid):
@@ -125,9 +142,7 @@ def test_a_worker_that_is_killed_is_an_answer_and_the_next_one_plans(served):
 def test_the_command_prints_its_address_and_takes_its_workers_along(tmp_path, number):
     (tmp_path / "harbor.yaml").write_text(HARBOR, encoding="utf-8")
     command = [sys.executable, "-m", "radmpc", "serve", "harbor.yaml", "--no-open"]
-    with subprocess.Popen(
-        command, cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    ) as server:
+    with started(command, tmp_path) as server:
         line = server.stdout.readline().strip()
         assert line.startswith("http://127.0.0.1:")
         base, token = line.split("/#token=")
@@ -187,12 +202,34 @@ def test_a_port_that_is_taken_or_a_missing_extra_is_one_line(tmp_path, monkeypat
     assert said.count("\n") == 1
 
 
+@pytest.mark.slow
+def test_ctrl_c_while_a_worker_starts_is_answered_and_does_not_reach_it(monkeypatch):
+    right, heard = SpawnProcess.start, []
+
+    def start(process):
+        os.kill(os.getpid(), signal.SIGINT)
+        right(process)
+
+    async def use_worker():
+        asyncio.get_running_loop().add_signal_handler(signal.SIGINT, heard.append, "ctrl-c")
+        worker = Worker()
+        os.kill(worker.pid, signal.SIGINT)
+        try:
+            with pytest.raises(CallError, match="not a scenario"):
+                await worker.run("concerns", "not a scenario")
+        finally:
+            worker.kill()
+            worker.bury()
+
+    monkeypatch.setattr(SpawnProcess, "start", start)
+    asyncio.run(use_worker())
+    assert heard == ["ctrl-c"]
+
+
 def test_ctrl_c_while_the_file_is_being_opened_ends_without_a_word(tmp_path):
     (tmp_path / "harbor.yaml").write_text(HARBOR, encoding="utf-8")
     command = [sys.executable, "-m", "radmpc", "serve", "harbor.yaml"]
-    with subprocess.Popen(
-        command, cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    ) as server:
+    with started(command, tmp_path) as server:
         assert server.stdout.readline().startswith("http://127.0.0.1:")
         server.send_signal(signal.SIGINT)
         out, err = server.communicate(timeout=PATIENCE)

@@ -8,9 +8,9 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Literal
 
-from radmpc.atomic import write_text
 from radmpc.serving.failures import refused
 from radmpc.serving.protocol import FileEntry
+from radmpc.system.atomic import write_text
 
 __all__ = ["CHARTS", "FLIGHTS", "SCENARIOS", "Folder"]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from radmpc.atomic import write_text
 from radmpc.console.commands.planning import Request, check_request, run_plan
 from radmpc.console.files import DEMO_NAME, OutputError, check_output, demo_text, writing
 from radmpc.console.output import show
 from radmpc.io.native.scenario_file import load_scenario
 from radmpc.planners.presets import DEFAULT
+from radmpc.system.atomic import write_text
 
 __all__ = ["run_demo"]
 

@@ -252,8 +252,8 @@ def _write(record: FlightRecord, request: FlyRequest) -> None:
     """Write log and film; report each file once it is written."""
     written = [("flight", request.output)]
     if request.log is not None:
-        from radmpc.atomic import write_bytes  # noqa: PLC0415 - few ask for a log
         from radmpc.io.flight.mcap_log import write_log  # noqa: PLC0415 - few ask for a log
+        from radmpc.system.atomic import write_bytes  # noqa: PLC0415 - few ask for a log
 
         with writing(request.log):
             write_bytes(request.log, write_log(record))

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from rich.text import Text
 
-from radmpc.atomic import write_text
 from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.options import named_options
 from radmpc.console.output import show, show_json
@@ -21,6 +20,7 @@ from radmpc.importing.logs.reading import read_logs
 from radmpc.io.native.scenario_file import load_scenario, save_scenario
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
+from radmpc.system.atomic import write_text
 
 __all__ = ["IdentifyRequest", "parse_columns", "run_identify"]
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from radmpc import data
-from radmpc.atomic import write_text
 from radmpc.console.files import OutputError, check_output, writing
 from radmpc.console.output import show
 from radmpc.console.running.guard import Code
 from radmpc.data import TEMPLATES
 from radmpc.errors import ScenarioError
+from radmpc.system.atomic import write_text
 
 __all__ = ["run_new", "template"]
 

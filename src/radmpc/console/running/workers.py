@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import multiprocessing
-import signal
-import threading
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
+
+from radmpc.system.interrupts import interrupts_deferred
 
 __all__ = ["workers"]
 
@@ -41,7 +41,11 @@ def workers(jobs: int, dask: str | None = None) -> Iterator[Executor | None]:
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(jobs, mp_context=context)
     try:
-        _start_ignoring_interrupts(pool, jobs)
+        with interrupts_deferred():
+            # None is idle before the last is started, so every task starts one. An initializer
+            # would run too late for a Ctrl-C while they load.
+            for _ in range(jobs):
+                pool.submit(int)
         yield pool
     except BaseException:
         pool.shutdown(wait=False, cancel_futures=True)
@@ -49,19 +53,3 @@ def workers(jobs: int, dask: str | None = None) -> Iterator[Executor | None]:
             process.terminate()
         raise
     pool.shutdown(cancel_futures=True)
-
-
-def _start_ignoring_interrupts(pool: ProcessPoolExecutor, jobs: int) -> None:
-    """Start all workers with Ctrl-C ignored: terminals send it to them too, but the parent decides.
-
-    They inherit the signal handler. An initializer would run too late for a Ctrl-C while they load.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        return
-    previous = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        # None is idle before the last is started, so every task starts one.
-        for _ in range(jobs):
-            pool.submit(int)
-    finally:
-        signal.signal(signal.SIGINT, previous)

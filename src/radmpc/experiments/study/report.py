@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from radmpc.atomic import write_text
 from radmpc.experiments.study.design import BASELINE, Study
 from radmpc.experiments.study.pictures import curves, panels
 from radmpc.experiments.study.summary import Quantiles, Speedup, Summary, speedup, summarize
 from radmpc.experiments.study.trial import Row
 from radmpc.plotting import save_chart, save_panels
+from radmpc.system.atomic import write_text
 
 __all__ = ["write_report"]
 

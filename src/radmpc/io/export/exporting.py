@@ -8,7 +8,6 @@ from pathlib import Path
 from types import NoneType
 
 from radmpc.arguments import check_kind, check_path, is_number, value_text
-from radmpc.atomic import write_bytes
 from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.geodesy import Origin
 from radmpc.io.export.geojson import write_geojson
@@ -25,6 +24,7 @@ from radmpc.io.export.waypoints import write_waypoints
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass
+from radmpc.system.atomic import write_bytes
 
 __all__ = [
     "FORMATS",

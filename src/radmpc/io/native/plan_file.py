@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from radmpc.arguments import check_path
 from radmpc.arrays import as_array, as_matrix
-from radmpc.atomic import write_text
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.native.checking import check_format, validated
 from radmpc.io.native.decoding import check_entries, decode_scenario
@@ -19,6 +18,7 @@ from radmpc.io.text.files import one_line, read_text
 from radmpc.io.text.json_text import read_json, write_json
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
+from radmpc.system.atomic import write_text
 
 if TYPE_CHECKING:
     from radmpc.io.native.plan_schema import RiskSpec, TrajectorySpec

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from radmpc.arguments import check_path
-from radmpc.atomic import write_text
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.native.changes import changed, is_changed
 from radmpc.io.native.decoding import decode_scenario
@@ -18,6 +17,7 @@ from radmpc.io.text.json_text import write_json
 from radmpc.io.text.yaml_writing import write_yaml
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.system.atomic import write_text
 
 __all__ = ["decode_scenario", "encode_scenario", "load_scenario", "save_scenario"]
 

@@ -8,13 +8,13 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from multiprocessing.context import SpawnContext
 from typing import Any
 
 from radmpc.serving.failures import CallError, refused
 from radmpc.serving.work.main import work
+from radmpc.system.interrupts import interrupts_deferred
 
 __all__ = ["DiedError", "Listener", "Worker"]
 
@@ -48,7 +48,7 @@ class Worker:
         self._loop = asyncio.get_running_loop()
         args = (theirs, self._stop, self._paused)
         self._process = _CONTEXT.Process(target=work, args=args, daemon=True)
-        with _interrupts_ignored():
+        with interrupts_deferred():
             self._process.start()
         theirs.close()
         self.jobs = 0
@@ -167,16 +167,3 @@ class Worker:
             self._answer.set_exception(CallError("internal", news))
         else:
             self._answer.set_exception(DiedError())
-
-
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Let what is started here ignore Ctrl-C from its first moment: it inherits that."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
