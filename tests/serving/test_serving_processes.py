@@ -123,8 +123,9 @@ def test_a_worker_that_is_killed_is_an_answer_and_the_next_one_plans(served):
     document = page.call("open", path="two.json")["document"]
     search = begin(page, document)["search"]
     running(page)
-    (worker,) = served.desk.crew._busy
-    os.kill(worker.pid, signal.SIGKILL)
+    # Others may be at what the page asked for besides.
+    for worker in tuple(served.desk.crew._busy):
+        os.kill(worker.pid, signal.SIGKILL)
     told = ended(page, search)
     assert told["state"] == "failed"
     assert "died" in told["note"]
