@@ -99,6 +99,7 @@ def test_a_search_streams_plans_is_held_goes_on_and_outlives_its_page(served):
     assert page.call("pause", search=search)["state"] == "paused"
     page.socket.close()
     again = served.page()
+    begun = time.monotonic()
     state = again.call("state", document=again.call("hello")["document"])
     assert state["plans"][0]["plan"] == first["plan"]
     held = state["searches"][-1]
@@ -106,7 +107,8 @@ def test_a_search_streams_plans_is_held_goes_on_and_outlives_its_page(served):
     time.sleep(0.5)
     resumed = again.call("resume", search=search)
     # Time that it was held does not count; what passes between two answers does.
-    assert 0.0 <= resumed["seconds"] - held["seconds"] < 0.3
+    others = time.monotonic() - begun - 0.5
+    assert 0.0 <= resumed["seconds"] - held["seconds"] <= others
     again.call("stop", search=search)
     told = ended(again, search)
     assert told["state"] == "ended"
