@@ -22,9 +22,9 @@ from radmpc.model.dynamics import lqr_gain
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.turned import successive
-from radmpc.planners.certified.turned.group_lp import GroupLp
 from radmpc.planners.certified.turned.half_spaces import half_spaces
-from radmpc.planners.certified.turned.margins import fixed_margins
+from radmpc.planners.certified.turned.linear.group_lp import GroupLp
+from radmpc.planners.certified.turned.linear.margins import fixed_margins
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.build import condensed_models

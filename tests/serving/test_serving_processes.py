@@ -106,9 +106,9 @@ def test_a_search_streams_plans_is_held_goes_on_and_outlives_its_page(served):
     assert held["state"] == "paused"
     time.sleep(0.5)
     resumed = again.call("resume", search=search)
-    # Time that it was held does not count; what passes between two answers does.
+    # Time that it was held does not count; what passes between two answers does, in hundredths.
     others = time.monotonic() - begun - 0.5
-    assert 0.0 <= resumed["seconds"] - held["seconds"] <= others
+    assert 0.0 <= resumed["seconds"] - held["seconds"] <= others + 0.011
     again.call("stop", search=search)
     told = ended(again, search)
     assert told["state"] == "ended"

@@ -161,8 +161,11 @@ class BoundSearch:
     @property
     def value(self) -> float:
         """What the best plan of the relaxation is worth, as the bound counts it."""
-        found = [whole for _, whole in self._found() if whole.price == self.price]
-        return self._bound_here() + sum(whole.value - whole.bound for whole in found)
+        return self._bound_here() + sum(whole.value - whole.bound for whole in self._here())
+
+    def _here(self) -> Iterator[RelaxedSet]:
+        """Return what was found at the present price."""
+        return (whole for _, whole in self._found() if whole.price == self.price)
 
     def _found(self) -> Iterator[tuple[Members, RelaxedSet]]:
         """Yield the parts that were searched as a whole."""
@@ -230,16 +233,16 @@ class BoundSearch:
         return is_new and not self._is_futile(worth)
 
     def _missing(self) -> float:
-        """Return by how much the bound at the present price has to rise to be good enough."""
+        """Return by how much the bound at this price has to rise to be good enough."""
         return (1.0 - self.gap) * self.incumbent.cost - self._bound_here()
 
     def _is_futile(self, worth: float) -> bool:
-        """Whether even a search to the end would not do, and little is left of it."""
+        """Whether even a search to the end would not do, and leave most of the gap open."""
         still = [m for m in self.order if self._whole(m) is None]
-        found = [whole for _, whole in self._found() if whole.price == self.price]
-        left = sum(whole.value - whole.bound for whole in found)
+        left = sum(whole.value - whole.bound for whole in self._here())
         most = left + sum(min(self._paid_for_hazards(m), worth) for m in still)
-        return most < self._missing() and left <= TUNING.futile * self.gap * self.incumbent.cost
+        is_little = left <= TUNING.futile * (self.incumbent.cost - self._bound_here())
+        return most < self._missing() and is_little
 
     def _answers(
         self, order: PartOrder, parts: Sequence[Members]
@@ -282,10 +285,7 @@ class BoundSearch:
 
     def _bound_here(self) -> float:
         """Return the bound at the present price."""
-        total = sum(self.fleet.base)
-        for _, whole in self._found():
-            if whole.price == self.price:
-                total += whole.bound - whole.base
+        total = sum((whole.bound - whole.base for whole in self._here()), sum(self.fleet.base))
         # What the starts risk is no choice of a plan's, and no part of what faces are charged.
         spent = self.fleet.initial if self.is_by_faces else 0.0
         return total - self.price * (self.fleet.scenario.risk_bound - spent)

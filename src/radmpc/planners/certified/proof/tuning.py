@@ -52,8 +52,10 @@ class Tuning:
     worth : float
         Share of the gap that a set must promise to be searched [-].
     futile : float
-        Share of the gap that may be left open where no search to the end would reach the gap [-]:
-        the plan at hand is not the best one, then.
+        Share of what is open up to which a search is left open that would not reach the gap even
+        in the end [-]: the plan at hand is not the best one, then. 0.3 of the gap asked for
+        instead: noise that lasts takes 8.1 times the seconds of white noise instead of 4.2
+        (`benchmarks/noise_speed.py`, correlation 0.8).
     off : float
         Factor by which the risk of the relaxed plans may miss Δ before another price is tried [-].
     prices : int
@@ -85,7 +87,7 @@ class Tuning:
     set_gap: float = 4e-3
     finer: float = 0.4
     worth: float = 0.02
-    futile: float = 0.3
+    futile: float = 0.5
     off: float = 1.5
     prices: int = 2
     most_step: float = 2.0

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
 
-__all__ = ["near_pieces", "near_vehicles"]
+__all__ = ["near_pieces", "near_vehicles", "reached_by"]
 
 _MANY_PAIRS = 200_000
 """Pairs from which on those far from each other are left out by a search tree [-]."""
@@ -89,6 +90,35 @@ def near_pieces(
         is_near &= hazards.concerned[members]
     places, pieces = np.nonzero(is_near)
     return places, pieces
+
+
+def reached_by(
+    hazards: Hazards, paths: Paths, moved: tuple[int, Matrix], clearance: float
+) -> npt.NDArray[np.bool_]:
+    """Return whose half-spaces one vehicle's move may have changed, (N,) bool array.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    paths : Paths
+        Everyone's latest paths.
+    moved : tuple of int and (T+1, d) array
+        Who moved, and where it was before [m].
+    clearance : float
+        Standard deviations that all keep [-].
+    """
+    i, before = moved
+    means = np.ascontiguousarray(paths.means.transpose(1, 0, 2))
+    both = np.concatenate([before, paths.means[i]])
+    most = hazards.variances.max(axis=1)
+    limit = hazards.radii[i] + hazards.radii + clearance * np.sqrt(most[i] + most) + hazards.reaches
+    box = both.min(axis=0)[None], both.max(axis=0)[None]
+    is_reached = _closer(box, (means.min(axis=0), means.max(axis=0)), limit[None])[0]
+    for one, two, _ in hazards.ranges:
+        if i in (one, two):
+            is_reached[[one, two]] = True
+    return np.asarray(is_reached)
 
 
 def _closer(

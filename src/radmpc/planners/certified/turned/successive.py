@@ -15,10 +15,17 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Tensor
 from radmpc.gaussian import Tail
-from radmpc.planners.certified.turned.group_lp import GroupLp, GroupPlan
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
-from radmpc.planners.certified.turned.margins import far_of, fixed_margins, priced_margins
+from radmpc.planners.certified.turned.linear.group_lp import GroupLp, GroupPlan
+from radmpc.planners.certified.turned.linear.margins import (
+    cheapest_meter,
+    far_of,
+    fixed_margins,
+    priced_margins,
+)
+from radmpc.planners.certified.turned.linear.warm_programs import Group, WarmPrograms
 from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.neighbors import reached_by
 from radmpc.planners.certified.turned.paths import Paths, SavedPaths
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.hazards import Hazards
@@ -29,13 +36,11 @@ __all__ = ["SuccessiveLp"]
 _MISSED = 1e-7
 """What half-spaces may be missed by in all [m]."""
 
-_WARM = 64
-"""Vehicles of linear programs that are kept warm at most [-]: 0.3 to 5 MB for each of them."""
+_STAYED = 1e-9
+"""What a path moves by at most, and misses at most, where planning it again changed nothing [m]."""
 
 _SURELY = 0.99
 """Share of a reach that paths may move by without another look [-]: rounding."""
-
-Group = tuple[int, ...]
 
 
 class SuccessiveLp:
@@ -72,8 +77,8 @@ class SuccessiveLp:
         self.missed = np.full(hazards.count, np.inf)
         self.work = 0.0
         self._ahead = Paths(hazards)
-        self._programs: dict[Group, GroupLp] = dict(programs)
-        self._meter = _cheapest_meter(hazards)
+        self._programs = WarmPrograms(hazards, programs)
+        self._meter = cheapest_meter(hazards)
         self._has_visits = any(model.vehicle.via for model in hazards.models)
 
     def begin(self, controls: Sequence[Matrix]) -> None:
@@ -100,7 +105,7 @@ class SuccessiveLp:
         for i in range(self.hazards.count):
             if self.limits.reached:
                 return False
-            alone = self._program((i,)).alone()
+            alone = self._programs.of((i,)).alone()
             if alone is None:
                 return False
             self.paths.fly(i, alone[0])
@@ -139,12 +144,19 @@ class SuccessiveLp:
         """
         least, num_stuck, cost = np.inf, 0, np.inf
         penalty = first_penalty
-        order = range(self.hazards.count)
+        order, is_still = range(self.hazards.count), np.zeros(self.hazards.count, dtype=bool)
         for _ in range(max_sweeps):
             for i in order:
                 if (limits or self.limits).reached:
                     return False
-                self.plan_alone(i, clearance, penalty)
+                # Who misses nothing and stayed would stay again, until somebody near moves.
+                if not is_still[i]:
+                    before = self.paths.means[i].copy()
+                    self.plan_alone(i, clearance, penalty)
+                    moved = float(np.abs(self.paths.means[i] - before).max())
+                    if moved > _STAYED:
+                        is_still &= ~reached_by(self.hazards, self.paths, (i, before), clearance)
+                    is_still[i] = moved <= _STAYED and self.missed[i] <= _STAYED
             order = order[::-1]
             missed, previous, cost = float(self.missed.sum()), cost, self.paths.cost()
             if missed <= _MISSED and abs(previous - cost) <= TUNING.steady * abs(cost):
@@ -172,7 +184,7 @@ class SuccessiveLp:
         near = Near(clearance, reach, is_refined=False, is_start_given=self._has_visits)
         spaces = half_spaces(self.hazards, self.paths, (i,), near)
         margins = fixed_margins(spaces.deviations, clearance, penalty * self._meter)
-        plan = self._program((i,)).solve(spaces, self.paths, margins)
+        plan = self._programs.of((i,)).solve(spaces, self.paths, margins)
         if plan is not None:
             self.paths.fly(i, plan.controls[0])
             self.missed[i] = plan.shortfall
@@ -191,7 +203,7 @@ class SuccessiveLp:
         """
         reach = float(self.hazards.reaches[list(group)].max())
         before, plan = self.paths.state(), None
-        program = self._program(group)
+        program = self._programs.of(group)
         worked = program.work
         far = far_of(self.hazards.tail, TUNING.compared)
         for _ in range(TUNING.looks):
@@ -260,18 +272,6 @@ class SuccessiveLp:
         close = latest.keys[(latest.clearances < far).any(axis=1)]
         return not bool(np.isin(close, spaces.keys).all())
 
-    def _program(self, group: Group) -> GroupLp:
-        """Return a group's linear program, kept warm if there is room.
-
-        Groups are asked for in turn: to give up those asked for longest ago would leave none.
-        """
-        if group in self._programs:
-            return self._programs[group]
-        program = GroupLp(self.hazards, group)
-        if len(group) + sum(len(known) for known in self._programs) <= _WARM:
-            self._programs[group] = program
-        return program
-
     def forget_all_but(self, groups: Sequence[Group]) -> None:
         """Give up the linear programs of groups that will not be planned again.
 
@@ -280,20 +280,9 @@ class SuccessiveLp:
         groups : sequence of tuple of int
             Those that will.
         """
-        kept = set(groups)
-        self._programs = {g: program for g, program in self._programs.items() if g in kept}
+        self._programs.forget_all_but(groups)
 
 
 def _risk(spaces: HalfSpaces, tail: Tail) -> float:
     """Return what the risks of half-spaces sum to on the latest paths."""
     return float(np.sum(tail.probability(spaces.clearances)))
-
-
-def _cheapest_meter(hazards: Hazards) -> float:
-    """Return what a meter at the goal costs the vehicle that moves with least effort."""
-    found = []
-    for model in hazards.models:
-        furthest = float(np.abs(model.position[-1]).max(initial=0.0))
-        if furthest > 0.0:
-            found.append(model.vehicle.cost_weight / furthest)
-    return max(found, default=1.0) or 1.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.planners.certified.turned.half_spaces import half_spaces
-from radmpc.planners.certified.turned.margins import far_of
+from radmpc.planners.certified.turned.linear.margins import far_of
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.tuning import TUNING

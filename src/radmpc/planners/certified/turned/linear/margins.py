@@ -7,9 +7,10 @@ import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.gaussian import GAUSSIAN, Tail, tail_probability
+from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 
-__all__ = ["Margins", "far_of", "fixed_margins", "priced_margins"]
+__all__ = ["Margins", "cheapest_meter", "far_of", "fixed_margins", "priced_margins"]
 
 _LADDER = (8.0, 6.5, 5.6, 5.0, 4.6, 4.2, 3.7, 3.3, 3.0, 2.7, 2.4, 2.1, 1.8, 1.4, 0.9, 0.0)
 """Clearances between which the risk of a row is interpolated [standard deviations]: its
@@ -33,6 +34,22 @@ def far_of(tail: Tail, gaussian: float) -> float:
         Where the tail is Gaussian [standard deviations].
     """
     return gaussian if tail.is_gaussian else max(gaussian, float(tail.clearance_for(_LEAST)))
+
+
+def cheapest_meter(hazards: Hazards) -> float:
+    """Return what a meter at the goal costs the vehicle that moves with least effort.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    """
+    found = []
+    for model in hazards.models:
+        furthest = float(np.abs(model.position[-1]).max(initial=0.0))
+        if furthest > 0.0:
+            found.append(model.vehicle.cost_weight / furthest)
+    return max(found, default=1.0) or 1.0
 
 
 def _rungs(tail: Tail) -> Vector:

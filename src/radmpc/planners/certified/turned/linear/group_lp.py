@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
-from radmpc.planners.certified.turned.margins import Margins
+from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
