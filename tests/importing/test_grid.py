@@ -274,3 +274,15 @@ def test_spoiled_grids_end_in_one_line(tmp_path: Path) -> None:
             assert line.startswith(str(tmp_path))
             assert line.isprintable()
     assert num_refused > 100
+
+
+@pytest.mark.parametrize(
+    ("count", "is_walled", "horizon"), [(25, True, 48), (24, True, 30), (25, False, 30)]
+)
+def test_many_who_go_around_obstacles_get_more_steps(
+    tmp_path: Path, count: int, horizon: int, *, is_walled: bool
+) -> None:
+    agents = [f"- {{name: a{i}, start: [0, {2 * i}], goal: [31, {2 * i}]}}\n" for i in range(count)]
+    blocked = [[15, y] for y in range(20 if is_walled else 1)]
+    text = f"agents:\n{''.join(agents)}map:\n  dimensions: [32, 50]\n  obstacles: {blocked}\n"
+    assert import_scenario(written(tmp_path, text)).scenario.horizon == horizon

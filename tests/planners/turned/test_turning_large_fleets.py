@@ -17,6 +17,7 @@ from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.state.task import Task
+from radmpc.planners.certified.turned.first_plan import first_plan
 from radmpc.planners.certified.turned.large.idle import not_idle
 from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.paths import Paths
@@ -167,3 +168,27 @@ def test_sets_of_a_large_fleet_are_not_searched_within_a_budget(
         found = plan(scenario, "certified(0)", rng=0, time_limit=20.0)
         assert found.plan is not None
     assert searched == [3]
+
+
+def lanes(count: int, blocked: int) -> Scenario:
+    """Vehicles side by side, each in a lane of its own; a box stands in the way of some."""
+
+    def ahead(i: int) -> Vehicle:
+        one = vehicle(f"v{i}", [0.0, 20.0 * i])
+        return replace(one, goal=Goal.at([12.0, 20.0 * i], 0.5))
+
+    boxes = tuple(
+        Obstacle.box(f"box{i}", [5.0, 20.0 * i - 1.0], [6.0, 20.0 * i + 0.5])
+        for i in range(blocked)
+    )
+    return Scenario("lanes", 1.0, 10, 0.05, tuple(map(ahead, range(count))), boxes)
+
+
+@pytest.mark.parametrize(("blocked", "is_made"), [(6, False), (20, True)])
+def test_a_large_fleet_of_which_most_go_around_obstacles_gets_a_plan_before_any_search(
+    blocked: int, *, is_made: bool
+) -> None:
+    scenario = lanes(26, blocked)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    task = Task(hazards, lambda controls: Verdict(0.0, ()), Limits(), 1e-2, 0.05)
+    assert bool(first_plan(task, 1.0, np.random.default_rng(0)).controls) == is_made

@@ -66,12 +66,13 @@ def first_plan(
     clearance = float(hazards.tail.clearance_for(min(share, CONVEX_RISK)))
     stopped = _stopped(hazards, alone)
     sets = _meeting(hazards, alone, clearance)
-    largest = max(len(members) for members in sets)
+    largest, is_large = max(len(members) for members in sets), hazards.count > TUNING.few
     is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
-    is_easy = not is_crowded and (not stopped.size or hazards.count > TUNING.few)
+    is_blocked = stopped.size > (TUNING.stopped * hazards.count if is_large else 0)
+    is_easy = not (is_crowded or is_blocked)
     # A large fleet's first round may take all the time there is, and end without a plan.
-    is_short = hazards.count > TUNING.few and _is_short(task)
-    if is_easy and not is_needed and not is_short and (largest == 1 or hazards.count > TUNING.few):
+    is_short = is_large and _is_short(task)
+    if is_easy and not is_needed and not is_short and (largest == 1 or is_large):
         return FleetIncumbent()
     if is_easy and is_needed and largest == 1:
         found = _alone(task, alone)
