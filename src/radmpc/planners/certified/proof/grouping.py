@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     # Who meets nobody needs no relaxation.
     from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 
-__all__ = ["Proven", "bounds_within", "parts_of", "proven_within"]
+__all__ = ["Proven", "bound_together", "bounds_within", "parts_of", "proven_within"]
 
 Proven = Mapping[Members, Mapping[Members, "RelaxedSet"]]
 """What is known of parts of a fleet, by the vehicles' places in each."""
@@ -73,3 +73,32 @@ def bounds_within(members: Members, proven: Proven, price: float) -> dict[Member
         Cost per unit of probability that the bounds are to hold at.
     """
     return {blocks: one.bound_at(price) for blocks, one in proven_within(members, proven).items()}
+
+
+def bound_together(
+    sets: Mapping[Members, RelaxedSet], base: Sequence[float], price: float
+) -> float:
+    """Return what the vehicles of a part cost at least, by what is proven of any of them.
+
+    A part whose search was ended early may not have been searched as a whole, or hardly: what those
+    cost that share no vehicle adds up.
+
+    Parameters
+    ----------
+    sets : mapping of tuple of int to RelaxedSet
+        What is known of vehicles of the part, by their places in it.
+    base : sequence of float
+        What each of them costs at least in empty space.
+    price : float
+        Cost per unit of probability; what was proven at another does not count.
+    """
+    bounds = {places: one.bound for places, one in sets.items() if one.price == price}
+    alone = [bounds.get((place,), least) for place, least in enumerate(base)]
+    whole = bounds.pop(tuple(range(len(base))), 0.0)
+    gains = {places: bound - sum(alone[i] for i in places) for places, bound in bounds.items()}
+    total, left = sum(alone), set(range(len(base)))
+    for places in sorted(gains, key=lambda one: gains[one], reverse=True):
+        if gains[places] > 0.0 and left.issuperset(places):
+            total += gains[places]
+            left.difference_update(places)
+    return max(total, whole)

@@ -61,29 +61,39 @@ class _PartSearch:
             return False
         if proven is None and self.part.paid_for_hazards(blocks) <= order.worth:
             return False
+        if proven is not None and proven.price == order.price and self._is_done(proven):
+            return False
+        # Fewer vehicles first: their programs are small, and what they cost at least adds up.
+        bounds = self._bounds_of_fewer(blocks)
         if proven is None:
+            if self.limits.reached:
+                return True
             most = self._most_value(blocks) if self.part.is_narrowed else float("inf")
             proven = self._relaxed(blocks, most)
-        is_here = proven.price == order.price
-        is_done = proven.is_trivial or proven.bound == float("inf")
-        if is_here and (is_done or proven.value - proven.bound <= order.worth):
-            return False
-        bounds: list[SetBound] = []
-        for size in range(1, min(len(blocks), 3)):
-            for places in combinations(range(len(blocks)), size):
-                fewer = tuple(blocks[place] for place in places)
-                value = self._bound_of(fewer)
-                if value is not None:
-                    bounds.append(SetBound(frozenset(places), value))
-        if blocks in self.part.below:
-            bounds.append(SetBound(frozenset(range(len(blocks))), self.part.below[blocks]))
         if any(bound.value == float("inf") for bound in bounds):
             # Some of them have no plan by faces at any price, so all together have none.
             self.sets[blocks] = replace(proven, price=order.price, bound=float("inf"))
             return True
         left = max(order.most_nodes - self.nodes, 1)
-        self._search_on(blocks, proven, tuple(bounds), int(min(order.nodes * len(blocks), left)))
+        self._search_on(blocks, proven, bounds, int(min(order.nodes * len(blocks), left)))
         return True
+
+    def _is_done(self, proven: RelaxedSet) -> bool:
+        """Whether no search of a set at the present price is worth more nodes."""
+        is_over = proven.is_trivial or proven.bound == float("inf")
+        return is_over or proven.value - proven.bound <= self.order.worth
+
+    def _bounds_of_fewer(self, blocks: Members) -> tuple[SetBound, ...]:
+        """Search the vehicles of a set alone and in pairs; return what that proves."""
+        bounds: list[SetBound] = []
+        for size in range(1, min(len(blocks), 3)):
+            for places in combinations(range(len(blocks)), size):
+                value = self._bound_of(tuple(blocks[place] for place in places))
+                if value is not None:
+                    bounds.append(SetBound(frozenset(places), value))
+        if blocks in self.part.below:
+            bounds.append(SetBound(frozenset(range(len(blocks))), self.part.below[blocks]))
+        return tuple(bounds)
 
     def _bound_of(self, blocks: Members) -> float | None:
         """Return what is proven of a part of a set, searched for it where nothing else says so."""

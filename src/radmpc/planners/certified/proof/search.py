@@ -6,12 +6,17 @@ import logging
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import closing
 
-import numpy as np
-
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
-from radmpc.planners.certified.proof.grouping import Proven, bounds_within, parts_of, proven_within
+from radmpc.planners.certified.proof.grouping import (
+    Proven,
+    bound_together,
+    bounds_within,
+    parts_of,
+    proven_within,
+)
+from radmpc.planners.certified.proof.next_price import better_price
 from radmpc.planners.certified.proof.part import (
     Part,
     PartAnswer,
@@ -21,11 +26,11 @@ from radmpc.planners.certified.proof.part import (
     tails_for,
 )
 from radmpc.planners.certified.proof.part_search import search_part
+from radmpc.planners.certified.proof.relaxed_plan import relaxed_plan
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.executing import in_order
-from radmpc.program.build import controls_of
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import relative_gap
@@ -33,9 +38,6 @@ from radmpc.solvers.solution import relative_gap
 __all__ = ["BoundSearch"]
 
 _LOG = logging.getLogger(__name__)
-
-_SAME = 1e-6
-"""Difference of controls up to which two plans are one [in the units of controls]."""
 
 
 @dataclass(slots=True, eq=False)
@@ -148,24 +150,18 @@ class BoundSearch:
 
     def relaxed_controls(self) -> tuple[Matrix, ...]:
         """Return the best plan of the relaxation; nothing where it is the plan at hand."""
-        controls, is_other = list(self.incumbent.controls), False
-        for members, whole in self._found():
-            if whole.best is None:
-                continue
-            models = [self.fleet.programs.models[i] for i in members]
-            for i, found in zip(members, controls_of(models, whole.best.z), strict=True):
-                is_other |= bool(np.abs(found - controls[i]).max() > _SAME)
-                controls[i] = found
-        return tuple(controls) if is_other else ()
+        found = {m: whole.best.z for m, whole in self._found() if whole.best is not None}
+        return relaxed_plan(self.fleet.programs.models, self.incumbent.controls, found)
 
     @property
     def value(self) -> float:
         """What the best plan of the relaxation is worth, as the bound counts it."""
-        return self._bound_here() + sum(whole.value - whole.bound for whole in self._here())
+        return self._bound_here() + self._left()
 
-    def _here(self) -> Iterator[RelaxedSet]:
-        """Return what was found at the present price."""
-        return (whole for _, whole in self._found() if whole.price == self.price)
+    def _left(self) -> float:
+        """Return by how much the relaxed plans of parts at this price cost more than is proven."""
+        found = ((m, whole) for m, whole in self._found() if whole.price == self.price)
+        return sum(max(whole.value - self._bound_of(m), 0.0) for m, whole in found)
 
     def _found(self) -> Iterator[tuple[Members, RelaxedSet]]:
         """Yield the parts that were searched as a whole."""
@@ -180,10 +176,8 @@ class BoundSearch:
 
     def _bound_of(self, members: Members) -> float:
         """Return the bound of a part at the present price."""
-        whole = self._whole(members)
-        if whole is None or whole.price != self.price:
-            return sum(self.fleet.base[i] for i in members)
-        return whole.bound
+        base = [self.fleet.base[i] for i in members]
+        return bound_together(self.proven.get(members, {}), base, self.price)
 
     def _paid_for_hazards(self, members: Members) -> float:
         """Return what a set's plan costs beyond the least in empty space."""
@@ -239,7 +233,7 @@ class BoundSearch:
     def _is_futile(self, worth: float) -> bool:
         """Whether even a search to the end would not do, and leave most of the gap open."""
         still = [m for m in self.order if self._whole(m) is None]
-        left = sum(whole.value - whole.bound for whole in self._here())
+        left = self._left()
         most = left + sum(min(self._paid_for_hazards(m), worth) for m in still)
         is_little = left <= TUNING.futile * (self.incumbent.cost - self._bound_here())
         return most < self._missing() and is_little
@@ -285,7 +279,8 @@ class BoundSearch:
 
     def _bound_here(self) -> float:
         """Return the bound at the present price."""
-        total = sum((whole.bound - whole.base for whole in self._here()), sum(self.fleet.base))
+        base = self.fleet.base
+        total = sum((self._bound_of(m) - sum(base[i] for i in m) for m in self.order), sum(base))
         # What the starts risk is no choice of a plan's, and no part of what faces are charged.
         spent = self.fleet.initial if self.is_by_faces else 0.0
         return total - self.price * (self.fleet.scenario.risk_bound - spent)
@@ -293,8 +288,6 @@ class BoundSearch:
     def _has_moved_price(self) -> bool:
         """Choose a better price where the relaxed plans risk far more or less than Δ."""
         risks = (whole.best.risk for _, whole in self._found() if whole.best is not None)
-        ratio = sum(risks) / self.fleet.scenario.risk_bound
-        if self.price <= 0.0 or 1.0 / TUNING.off < ratio < TUNING.off:
-            return False
-        self.price *= min(max(ratio, 1.0 / TUNING.most_step), TUNING.most_step)
-        return True
+        before = self.price
+        self.price = better_price(before, sum(risks) / self.fleet.scenario.risk_bound)
+        return self.price != before
