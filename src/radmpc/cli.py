@@ -78,7 +78,7 @@ def plan(
 ) -> int:
     """Plan a scenario; write it where -o says."""
     defer("numpy", "ma", "polynomial")  # before scipy asks for them
-    from radmpc.console.commands.planning import Request, check_request, run_plan
+    from radmpc.console.commands.plan_command import Request, check_request, run_plan
     from radmpc.console.settings import changes_of
     from radmpc.io.native.scenario_file import load_scenario
     from radmpc.planners.presets import DEFAULT

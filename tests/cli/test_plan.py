@@ -58,7 +58,7 @@ def test_ctrl_c_while_filming_leaves_report_and_plan(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("radmpc.console.commands.planning.write_film", interrupt)
+    monkeypatch.setattr("radmpc.console.commands.plan_command.write_film", interrupt)
     result = run("plan", crossing, "-o", "a.json", "--animation", "a.gif", *words)
     assert (result.exit_code, result.stderr) == (1, "radmpc: interrupted\n")
     assert "certified" in result.stdout
@@ -172,7 +172,7 @@ def test_bad_usage_is_noticed_before_any_planning(
     def never(*args: object, **kwargs: object) -> None:
         pytest.fail("planned although the output cannot be written")
 
-    monkeypatch.setattr("radmpc.console.commands.planning.plan", never)
+    monkeypatch.setattr("radmpc.console.commands.plan_command.plan", never)
     assert run("plan", crossing, "-o", "no/a.json").exit_code == 2
 
 
@@ -188,7 +188,7 @@ def test_a_defect_is_one_line_and_exit_code_three(
     def broken(*args: object, **kwargs: object) -> None:
         raise ZeroDivisionError("a\nb")
 
-    monkeypatch.setattr("radmpc.console.commands.planning.plan", broken)
+    monkeypatch.setattr("radmpc.console.commands.plan_command.plan", broken)
     result = run("plan", crossing)
     assert result.exit_code == 3
     assert "internal error: ZeroDivisionError: a b" in assert_one_line(result.stderr)
@@ -201,7 +201,7 @@ def test_debug_shows_the_traceback_wherever_it_stands(
     def broken(*args: object, **kwargs: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("radmpc.console.commands.planning.plan", broken)
+    monkeypatch.setattr("radmpc.console.commands.plan_command.plan", broken)
     words = ["plan", str(crossing)]
     words.insert(0 if place == "first" else 2, "--debug")
     result = run(*words)
@@ -235,7 +235,8 @@ def test_the_plan_written_is_the_plan_found(
 ) -> None:
     kept: list[Plan] = []
     monkeypatch.setattr(
-        "radmpc.console.commands.planning.save_plan", lambda plan, path: kept.append((plan, path))
+        "radmpc.console.commands.plan_command.save_plan",
+        lambda plan, path: kept.append((plan, path)),
     )
     run("plan", crossing, "-o", "a.json")
     ((plan, path),) = kept
@@ -250,7 +251,7 @@ def test_a_plan_the_referee_finds_fault_with_is_a_no(
         result = plan(*args, **kwargs)
         return replace(result, certificate=Certificate(0.05, 0.01, (), ("goal missed",)))
 
-    monkeypatch.setattr("radmpc.console.commands.planning.plan", faulty)
+    monkeypatch.setattr("radmpc.console.commands.plan_command.plan", faulty)
     result = run("plan", crossing)
     assert result.exit_code == 1
     assert "the plan is not certified: goal missed" in assert_one_line(result.stderr)

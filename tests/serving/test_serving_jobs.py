@@ -24,7 +24,7 @@ from radmpc.serving.work.control import Control, stop_the_clock
 from radmpc.serving.work.cures import why_not
 from radmpc.serving.work.flying import fly_plan
 from radmpc.serving.work.judging import judged
-from radmpc.serving.work.planning import plan_content
+from radmpc.serving.work.plan_content import plan_content
 from radmpc.serving.work.trails import trails_of
 
 NOISY = [0.01, 0.01, 0.001, 0.001]

@@ -12,7 +12,7 @@ from cli.conftest import assert_one_line
 # Plans as usual, but says when it has begun and first waits to be interrupted.
 PATIENT = """
 import sys, time
-import radmpc.console.commands.planning as planning
+from radmpc.console.commands import plan_command as planning
 real = planning.plan
 def patient(scenario, planner, *, stop, **rest):
     print("begun", file=sys.stderr, flush=True)

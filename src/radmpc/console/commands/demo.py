@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from radmpc.console.commands.planning import Request, check_request, run_plan
+from radmpc.console.commands.plan_command import Request, check_request, run_plan
 from radmpc.console.files import DEMO_NAME, OutputError, check_output, demo_text, writing
 from radmpc.console.output import show
 from radmpc.io.native.scenario_file import load_scenario

@@ -19,7 +19,7 @@ from radmpc.serving.work.control import Control, Flags, stop_the_clock
 __all__ = ["JOBS", "work"]
 
 JOBS = {
-    "plan": "radmpc.serving.work.planning:plan_content",
+    "plan": "radmpc.serving.work.plan_content:plan_content",
     "concerns": "radmpc.serving.work.concerns:concerns_of_content",
     "why": "radmpc.serving.work.cures:why_not",
     "simulate": "radmpc.serving.work.trails:trails_of",
@@ -33,7 +33,7 @@ JOBS = {
 _SET_DEATH_SIGNAL = 1
 """Number of that request to the system."""
 
-_AHEAD = ("radmpc.serving.work.planning", "radmpc.planners.certified.certified")
+_AHEAD = ("radmpc.serving.work.plan_content", "radmpc.planners.certified.certified")
 """Loaded before anything is asked for, so that planning begins at once."""
 
 
