@@ -27,8 +27,8 @@ _FEWEST_STEPS, _MOST_STEPS = 10, 30
 
 _MOST_OF_MANY, _MANY = 48, 25
 """Steps at most for so many vehicles where some go around obstacles: of maps of 32 x 32 cells with
-30 to 60 robots, 4 of 17 get a plan within 25 s with 30 steps, 9 with 48. Up to 20 robots get one as
-soon with either."""
+30 to 60 robots, 5 of 16 get a plan within 25 s with 30 steps, 11 with 48. Up to 20 robots get one
+as soon with either."""
 
 _STRIDE = 4.0
 """Radii per step at full speed: finer steps multiply the choices, not the room."""
