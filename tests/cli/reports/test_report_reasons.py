@@ -35,6 +35,10 @@ def test_the_report_says_what_more_risk_would_save(
         ({"lower_bound": None}, "the search ended before it had proven anything"),
         ({"risk": Risk(0.05, 0.049)}, "the search ended before it had proven anything"),
         ({"risk": Risk(0.05, 0.01)}, "the union bounds that the search counts by are used up"),
+        (
+            {"risk": Risk(0.05, 0.01), "status": Status.FEASIBLE},
+            "the search ended before it was known whether spending more would save anything",
+        ),
     ],
 )
 def test_a_plan_without_a_shadow_price_says_why(

@@ -81,3 +81,24 @@ def test_turning_goes_on_until_there_is_a_plan_whatever_it_took_before(tmp_path:
     turning.num_solves = 10 * TUNING.most_solves
     assert turning.run(TUNING.first_rounds).controls
     assert asked[-1] <= 0.02
+
+
+def test_turning_goes_on_while_most_of_the_risk_bound_is_unspent(tmp_path: Path) -> None:
+    scenario = stair(tmp_path)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    rounds = []
+    for certified in (0.004, 0.016):
+        asked: list[object] = []
+
+        def judge(controls: object, asked=asked, certified=certified) -> Verdict:
+            asked.append(controls)
+            return Verdict(certified, ())
+
+        task = Task(hazards, judge, Limits(np.inf, never), 1e-6, 0.02)
+        turning = Turning(task, FleetIncumbent(), ((0,),), 1.0)
+        turning.successive.restore(placed(hazards).paths.state())
+        turning.num_solves = 10 * TUNING.most_solves
+        turning.run(TUNING.first_rounds)
+        rounds.append(len(asked) - 1)
+    # At 20 % of Δ the price may still fall; at 80 % what was spent on turning ends it.
+    assert rounds[0] > rounds[1] == TUNING.least_rounds

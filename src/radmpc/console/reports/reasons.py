@@ -209,6 +209,8 @@ def _no_price(plan: Plan) -> str:
         return "the plan runs no risk"
     if certified is None or plan.lower_bound is None or 1.0 - certified / bound <= _MUCH_LEFT:
         return "the search ended before it had proven anything at a price of risk"
+    if plan.status is not Status.OPTIMAL:
+        return "the search ended before it was known whether spending more would save anything"
     return "the union bounds that the search counts by are used up, the risk bound is not"
 
 

@@ -80,8 +80,8 @@ def bound_together(
 ) -> float:
     """Return what the vehicles of a part cost at least, by what is proven of any of them.
 
-    A part whose search was ended early may not have been searched as a whole, or hardly: what those
-    cost that share no vehicle adds up.
+    A part whose search was ended early may not have been searched as a whole, or hardly: bounds of
+    sets that share no vehicle add up.
 
     Parameters
     ----------

@@ -101,7 +101,11 @@ def shadow_price(fleet: Fleet, state: SearchState) -> float | None:
     if not incumbent.controls or incumbent.certified <= 0.0:
         return None
     if incumbent.certified < _TUNED.spent * risk_bound:
-        return 0.0 if incumbent.union_bound < _TUNED.spent * fleet.most_budget else None
+        # Turned at a price at which Δ is worth much, a plan says nothing of a lower one.
+        worth = (incumbent.turned_price or 0.0) * risk_bound
+        is_dear = incumbent.union_bound <= 0.0 and worth > fleet.gap * incumbent.cost
+        is_free = incumbent.union_bound < _TUNED.spent * fleet.most_budget and not is_dear
+        return 0.0 if is_free else None
     if incumbent.turned_price is not None:
         return incumbent.turned_price
     if not state.round_bounds:

@@ -178,7 +178,8 @@ class Tuning:
         Time reserved for turning half-spaces to a plan: a share of the limit [-], or seconds [s] up
         to a larger share of it [-]. Turning takes 0.3 to 4 s on the families of the benchmarks.
     unspent : float
-        Share of Δ below which a certificate leaves so much that other alternatives are tried [-].
+        Share of Δ below which a certificate leaves so much that other alternatives are tried, and
+        that turning goes on whatever it took [-]: 30 robots among 204 boxes become 3 % cheaper.
     most_vehicles : int
         Vehicles of a fleet beyond which it is not planned as one without regard for risk [-].
     noiseless_share : float

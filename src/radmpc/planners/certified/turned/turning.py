@@ -237,6 +237,8 @@ class Turning:
         """Whether so many rounds took all the work that turning may take."""
         if number < TUNING.least_rounds or not self.incumbent.controls:
             return False  # without any plan, the next round may lead to one
+        if self.incumbent.certified < TUNING.unspent * self.task.risk_bound:
+            return False  # the price is still too high, and the next round is cheaper
         most_work = max(TUNING.most_work, TUNING.work_each * self.task.hazards.count)
         return self.successive.work >= most_work or self.num_solves >= TUNING.most_solves
 
