@@ -13,6 +13,7 @@ INSTALLED_DEV := $(VENV)/.installed-dev
 INSTALLED_SIMULATORS := $(VENV)/.installed-simulators
 INSTALLED_SERVE := $(VENV)/.installed-serve
 COMPILED := $(VENV)/.compiled
+PROGRAMS := $(wildcard src/radmpc/solvers/lp/compiled/*.[ch]) hatch_build.py
 PAGE := $(BIN)/python web/page.py
 
 # Workers share the processors already: threads within small matrices only stand in their way.
@@ -133,11 +134,11 @@ install = $(PIP) install --quiet -c constraints.txt uv 2>/dev/null \
 	    && $(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt -e $(1) 2>/dev/null \
 	    || $(PIP) install --quiet -c constraints.txt -e $(1)
 
-$(INSTALLED): pyproject.toml constraints.txt | $(BIN)/python
+$(INSTALLED): pyproject.toml constraints.txt $(PROGRAMS) | $(BIN)/python
 	$(call install,.)
 	@touch $@
 
-$(INSTALLED_DEV): pyproject.toml constraints.txt | $(BIN)/python
+$(INSTALLED_DEV): pyproject.toml constraints.txt $(PROGRAMS) | $(BIN)/python
 	$(call install,'.[dev]')
 	@touch $@ $(INSTALLED)
 

@@ -57,7 +57,7 @@ class Hook:
         self.said: list[str] = []
         app = SimpleNamespace(display_warning=self.said.append)
         target = SimpleNamespace(PLUGIN_NAME="wheel")
-        self.hook = hatch_build.PageHook(str(root), {}, target, None, str(root), "wheel", app)
+        self.hook = hatch_build.BuildHook(str(root), {}, target, None, str(root), "wheel", app)
 
     def packed(self, version: str = "standard") -> list[str]:
         """Run it, and return what it adds to the wheel."""

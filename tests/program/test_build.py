@@ -14,7 +14,7 @@ from radmpc.experiments.families import paper
 from radmpc.model.dynamics import covariances, rollout
 from radmpc.model.obstacle import Obstacle
 from radmpc.program.build import condensed_models, controls_of
-from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
 from sampling import examples
 

@@ -13,7 +13,7 @@ from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.program.allocation import margins_of, uniform_allocation
 from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
-from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
 from radmpc.solvers.milp.big_m import BigM
 from radmpc.solvers.selection import violations_of

@@ -11,7 +11,7 @@ from scipy.stats import norm
 
 from radmpc.program.build import build_program, condensed_models
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.priced.lp import RiskLp
 from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.priced.row_tangents import RowTangents, Touching

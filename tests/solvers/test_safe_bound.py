@@ -12,7 +12,8 @@ from radmpc.experiments.families import paper
 from radmpc.gaussian import clearance_for
 from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.tree import Tree
-from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.lp.highs_lp import HighsLp
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.safe_bound import LpRecord
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits

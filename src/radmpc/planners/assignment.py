@@ -24,7 +24,8 @@ from radmpc.planners.verdict import Judge
 from radmpc.program.build import condensed_models, cost_of_time
 from radmpc.program.hard import hard_rows
 from radmpc.records import dataclass, replace
-from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.lp.choosing import bounded_lp
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.solution import relative_gap
 from radmpc.wording import count_text
 
@@ -103,11 +104,13 @@ def least_costs(scenario: Scenario) -> Matrix:
             most = np.tile(model.control_bounds.ravel(), 2)
             if np.any(most < 0.0):
                 continue
-            lp = HighsLp(np.full(most.size, model.vehicle.cost_weight), np.zeros(most.size), most)
+            lp = bounded_lp(
+                np.full(most.size, model.vehicle.cost_weight), np.zeros(most.size), most
+            )
             lp.add_rows(csr_array(np.hstack([rows, -rows])), lower, upper)
-            outcome, cost = lp.solve()
+            outcome, least = lp.solve()
             if outcome is LpOutcome.OPTIMAL:
-                found[i, k] = cost
+                found[i, k] = least
     return found
 
 

@@ -25,7 +25,7 @@ from radmpc.planners.wording import endpoints_text, is_contact, limit_clause
 from radmpc.program.build import build_program, condensed_models
 from radmpc.program.condensed import CondensedModel
 from radmpc.solvers.branch.branch import Branch
-from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
 from radmpc.solvers.solution import Limits, Outcome
 

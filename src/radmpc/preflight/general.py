@@ -12,7 +12,7 @@ from radmpc.planners.explain import unable_alone
 from radmpc.program.build import build_program, condensed_models, controls_of
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
 
 __all__ = ["arrives", "cheapest", "reach"]

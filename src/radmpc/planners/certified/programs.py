@@ -15,7 +15,8 @@ from radmpc.planners.certified.problem import SetProblem
 from radmpc.program.build import controls_of
 from radmpc.program.hazards import Hazards
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.lp.choosing import bounded_lp
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.solution import Limits
 
 __all__ = ["SetPrograms"]
@@ -226,7 +227,7 @@ class SetPrograms:
 
 def _cost_without_hazards(program: DisjunctiveProgram) -> float:
     """Return the least cost of a vehicle in empty space; 0 where it cannot reach its goal."""
-    lp = HighsLp(program.cost, program.lower, program.upper)
+    lp = bounded_lp(program.cost, program.lower, program.upper)
     lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
     outcome, cost = lp.solve()
     return cost if outcome is LpOutcome.OPTIMAL else 0.0

@@ -10,7 +10,9 @@ from radmpc.arrays import Vector
 from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.tuning import TUNING
-from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.lp.bounded_lp import BoundedLp
+from radmpc.solvers.lp.choosing import bounded_lp
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
@@ -163,7 +165,7 @@ class _AllocatedLp:
         self._program, self._is_warm = program, is_warm
         self._deviations, self._events = deviations[is_held], program.rows.events[chosen]
         self._matrix, self._right = program.column_rows(chosen)
-        self._lp: tuple[HighsLp, int] | None = None
+        self._lp: tuple[BoundedLp, int] | None = None
 
     def point(self, allocated: Vector) -> Vector | None:
         """Return the point of least cost, (n,), for what events are allocated, (e,) [-]."""
@@ -172,7 +174,7 @@ class _AllocatedLp:
         free = np.full(right.size, -np.inf)
         if self._lp is None:
             program = self._program
-            lp = HighsLp(program.cost, program.lower, program.upper)
+            lp = bounded_lp(program.cost, program.lower, program.upper)
             lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
             first = lp.add_rows(self._matrix, free, right)
             self._lp = (lp, first) if self._is_warm else None

@@ -17,7 +17,7 @@ import numpy as np
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.diving import Dives, OpenNode
-from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.warm_lp import CostRow, WarmLp
 from radmpc.solvers.selection import alternative_table, possible_alternatives, violations_of
 from radmpc.solvers.solution import Limits, cutoff_below, relative_gap

@@ -7,25 +7,17 @@ of the program.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from enum import Enum
 
 import highspy
 import numpy as np
-import numpy.typing as npt
-from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.solvers.lp.bounded_lp import BoundedLp
+from radmpc.solvers.lp.outcome import NO_NUMBERS, NO_VALUES, LpOutcome, Numbers
 from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL, array_of, checked, quiet_highs
 from radmpc.solvers.lp.safe_bound import LpRecord
 
-__all__ = ["HighsLp", "LpOutcome", "Numbers"]
-
-
-Numbers = npt.NDArray[np.int32]
-"""Row and column numbers as HiGHS takes them."""
-
-_NO_NUMBERS: Numbers = np.zeros(0, dtype=np.int32)
-_NO_VALUES = np.zeros(0)
+__all__ = ["HighsLp"]
 
 _DUAL_SIMPLEX = (
     ("presolve", "off"),
@@ -70,17 +62,8 @@ _INFEASIBLE = (_Status.kInfeasible, _Status.kUnboundedOrInfeasible)
 _INF = float("inf")
 
 
-class LpOutcome(Enum):
-    """How a linear program ended."""
-
-    OPTIMAL = "optimal"
-    INFEASIBLE = "infeasible"
-    CUTOFF = "worse than the cutoff"
-    FAILED = "the solver found no answer"
-
-
-class HighsLp:
-    """Columns and rows in the order they were added; minimized by dual simplex.
+class HighsLp(BoundedLp):
+    """A `BoundedLp` in HiGHS, minimized by its dual simplex method.
 
     Parameters
     ----------
@@ -89,9 +72,7 @@ class HighsLp:
     """
 
     def __init__(self, cost: Vector, lower: Vector, upper: Vector) -> None:
-        self.solves = 0
-        self.num_columns = int(cost.size)
-        self.num_rows = 0
+        super().__init__(int(cost.size))
         self._cutoff = float("inf")
         self._record = LpRecord(cost, lower, upper)
         self._point = np.zeros(0)
@@ -100,117 +81,26 @@ class HighsLp:
             self._highs.setOptionValue(name, value)
         checked(
             self._highs.addCols(
-                self.num_columns, cost, lower, upper, 0, _NO_NUMBERS, _NO_NUMBERS, _NO_VALUES
+                self.num_columns, cost, lower, upper, 0, NO_NUMBERS, NO_NUMBERS, NO_VALUES
             )
         )
 
-    def add_rows(self, matrix: csr_array, lower: Vector, upper: Vector) -> int:
-        """Append rows; return the number of the first.
-
-        Parameters
-        ----------
-        matrix : (k, n) sparse array
-            Coefficients.
-        lower, upper : (k,) array
-            Bounds, ±inf where there is none.
-        """
-        checked(
-            self._highs.addRows(
-                matrix.shape[0],
-                lower,
-                upper,
-                matrix.nnz,
-                matrix.indptr[:-1].astype(np.int32),
-                matrix.indices.astype(np.int32),
-                matrix.data,
-            )
-        )
-        self._record.add_rows(matrix.indptr, matrix.indices, matrix.data, lower, upper)
-        first = self.num_rows
-        self.num_rows += int(matrix.shape[0])
-        return first
-
-    def add_dense_rows(self, columns: Numbers, values: Matrix, lower: Vector) -> int:
-        """Append rows of equal length without upper bounds; return the number of the first.
-
-        Parameters
-        ----------
-        columns : (k, w) int array
-            Columns of each row's entries.
-        values : (k, w) array
-            Its coefficients.
-        lower : (k,) array
-            Lower bounds.
-        """
-        count, width = values.shape
-        starts = np.arange(0, (count + 1) * width, width, dtype=np.int32)
-        infinite = np.full(count, _INF)
+    def _append_rows(
+        self, starts: Numbers, columns: Numbers, values: Matrix, lower: Vector, upper: Vector
+    ) -> None:
         flat = columns.ravel(), values.ravel()
-        checked(self._highs.addRows(count, lower, infinite, count * width, starts[:-1], *flat))
-        self._record.add_rows(starts, *flat, lower, infinite)
-        first = self.num_rows
-        self.num_rows += count
-        return first
+        checked(self._highs.addRows(lower.size, lower, upper, values.size, starts[:-1], *flat))
+        self._record.add_rows(starts, *flat, lower, upper)
 
-    def add_row(self, columns: Numbers, values: Vector, lower: float, upper: float) -> int:
-        """Append one row; return its number.
-
-        Parameters
-        ----------
-        columns : (w,) int array
-            Columns of its entries.
-        values : (w,) array
-            Its coefficients.
-        lower, upper : float
-            Bounds, ±inf where there is none.
-        """
-        checked(self._highs.addRow(lower, upper, len(columns), columns, values))
-        self._record.add_rows(np.array([0, len(columns)]), columns, values, lower, upper)
-        self.num_rows += 1
-        return self.num_rows - 1
-
-    def add_column(
-        self, cost: float, upper: float, rows: Numbers = _NO_NUMBERS, values: Vector = _NO_VALUES
-    ) -> int:
-        """Append one column, at least 0; return its number.
-
-        Parameters
-        ----------
-        cost, upper : float
-            Its cost and upper bound.
-        rows : (w,) int array
-            Rows of its entries.
-        values : (w,) array
-            Its coefficients.
-        """
+    def _append_column(self, cost: float, upper: float, rows: Numbers, values: Vector) -> None:
         checked(self._highs.addCol(cost, 0.0, upper, len(rows), rows, values))
         self._record.add_column(cost, upper, rows, values)
-        self.num_columns += 1
-        return self.num_columns - 1
 
-    def bound_rows(self, rows: list[int], lower: Vector, upper: Vector) -> None:
-        """Change the bounds of some rows.
+    def _bound_rows(self, rows: Numbers, lower: Vector, upper: Vector) -> None:
+        checked(self._highs.changeRowsBounds(rows.size, rows, lower, upper))
+        self._record.bound_rows(rows, lower, upper)
 
-        Parameters
-        ----------
-        rows : list of int
-            Their numbers.
-        lower, upper : (k,) array
-            New bounds, ±inf where there is none.
-        """
-        if rows:
-            numbers = np.array(rows, dtype=np.int32)
-            checked(self._highs.changeRowsBounds(len(rows), numbers, lower, upper))
-            self._record.bound_rows(numbers, lower, upper)
-
-    def change_cost(self, cost: Vector) -> None:
-        """Give all columns other costs; the next solves go on from the last vertex.
-
-        Parameters
-        ----------
-        cost : (n,) array
-            Of every column.
-        """
+    def _change_cost(self, cost: Vector) -> None:
         numbers = np.arange(self.num_columns, dtype=np.int32)
         checked(self._highs.changeColsCost(self.num_columns, numbers, cost))
         # The last vertex stays feasible: 4 pivots of the primal simplex (4), 6 of the dual one.

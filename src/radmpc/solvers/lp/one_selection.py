@@ -6,7 +6,7 @@ import time
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
 from radmpc.solvers.solution import Outcome, Solution
 

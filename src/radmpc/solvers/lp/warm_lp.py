@@ -9,7 +9,8 @@ import numpy as np
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass
-from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.lp.choosing import bounded_lp
+from radmpc.solvers.lp.outcome import LpOutcome
 
 __all__ = ["CostRow", "WarmLp"]
 
@@ -69,7 +70,7 @@ class WarmLp:
         program = self._program
         self._place.clear()
         self._state.clear()
-        self._lp = HighsLp(program.cost, program.lower, program.upper)
+        self._lp = bounded_lp(program.cost, program.lower, program.upper)
         self._lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
         for row in self._cost_rows:
             columns = row.columns.astype(np.int32)
@@ -122,7 +123,7 @@ class WarmLp:
             self._place[row] = base + i
 
     def solve(self, cutoff: float = float("inf")) -> tuple[LpOutcome, float]:
-        """Minimize over the active rows; see `HighsLp.solve`."""
+        """Minimize over the active rows; see `BoundedLp.solve`."""
         return self._lp.solve(cutoff)
 
     def point(self) -> Vector:

@@ -20,7 +20,8 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass
-from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome, Numbers
+from radmpc.solvers.lp.choosing import bounded_lp
+from radmpc.solvers.lp.outcome import LpOutcome, Numbers
 from radmpc.solvers.priced.row_tangents import RowTangents, Touching
 from radmpc.solvers.priced.tuning import TUNING
 
@@ -108,7 +109,7 @@ class RiskLp:
         self._rows: dict[int, _Row] = {}
         self._risk_columns: dict[int, int] = {}
         self._active: set[int] = set()
-        self._lp = HighsLp(program.cost, program.lower, program.upper)
+        self._lp = bounded_lp(program.cost, program.lower, program.upper)
         self._lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
         # No plan risks more than the whole unit, whatever the price.
         self._budget_row = self._lp.add_row(np.zeros(0, dtype=np.int32), np.zeros(0), -_INF, 1.0)
@@ -223,7 +224,7 @@ class RiskLp:
         added.clearances.extend(touching.clearances.tolist())
 
     def solve(self, cutoff: float = _INF) -> tuple[LpOutcome, float]:
-        """Minimize over the active rows; see `HighsLp.solve`."""
+        """Minimize over the active rows; see `BoundedLp.solve`."""
         return self._lp.solve(cutoff)
 
     def point(self) -> Vector:

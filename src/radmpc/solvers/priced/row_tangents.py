@@ -8,7 +8,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.gaussian import CONVEX_RISK, GAUSSIAN, Tail
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass
-from radmpc.solvers.lp.highs_lp import Numbers
+from radmpc.solvers.lp.outcome import Numbers
 from radmpc.solvers.priced.tuning import TUNING
 
 __all__ = ["RowTangents", "Touching"]

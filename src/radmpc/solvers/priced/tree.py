@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.diving import Dives
-from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.priced.branching import BranchingChoice
 from radmpc.solvers.priced.lp import RiskLp, SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent, Node

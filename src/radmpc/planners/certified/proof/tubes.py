@@ -9,7 +9,9 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.lp.bounded_lp import BoundedLp
+from radmpc.solvers.lp.choosing import bounded_lp
+from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.solution import Limits
 
 __all__ = ["within_tube"]
@@ -46,16 +48,16 @@ def within_tube(
     return replace(model, reach_lower=_kept(lower), reach_upper=_kept(upper))
 
 
-def _cheap_plans(program: DisjunctiveProgram, most_cost: float) -> HighsLp:
+def _cheap_plans(program: DisjunctiveProgram, most_cost: float) -> BoundedLp:
     """Return the plans of a vehicle up to a cost, without hazards, as a linear program."""
-    lp = HighsLp(np.zeros(program.num_columns), program.lower, program.upper)
+    lp = bounded_lp(np.zeros(program.num_columns), program.lower, program.upper)
     lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
     columns = np.arange(program.num_columns, dtype=np.int32)
     lp.add_row(columns, program.cost, -np.inf, most_cost)
     return lp
 
 
-def _least(lp: HighsLp, along: Matrix, limits: Limits) -> Vector:
+def _least(lp: BoundedLp, along: Matrix, limits: Limits) -> Vector:
     """Return the proven least of linear functions, one by one; −inf where none is known."""
     least = np.full(len(along), -np.inf)
     for number, each in enumerate(along):

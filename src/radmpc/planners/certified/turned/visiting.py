@@ -24,7 +24,8 @@ from radmpc.program.visits.columns import has_choice_of_arrival
 from radmpc.program.visits.rows import rows_at
 from radmpc.program.visits.steps import at_steps
 from radmpc.records import dataclass, replace
-from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.lp.choosing import bounded_lp
+from radmpc.solvers.lp.outcome import LpOutcome
 
 __all__ = ["GoodVisits", "VisitLp", "at_good_visits", "good_steps"]
 
@@ -210,7 +211,7 @@ class VisitLp:
         nearest = float(np.abs(model.position[1:]).max(axis=(1, 2)).min())
         beside = _MISSED * weight / max(nearest, 1e-9)
         bounds = np.maximum(np.tile(model.control_bounds.ravel(), 2), 0.0)
-        self._lp = HighsLp(
+        self._lp = bounded_lp(
             np.append(np.full(2 * span, weight), np.full(self._count, beside)),
             np.zeros(2 * span + self._count),
             np.append(bounds, np.full(self._count, _far(model))),

@@ -1,0 +1,49 @@
+#include "arrays.h"
+
+#include <string.h>
+
+/* Look into an array; -1, with an error, where it is none of the kind. */
+static Py_ssize_t look(PyObject *array, char kind, Py_buffer *view) {
+    if (PyObject_GetBuffer(array, view, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) < 0) return -1;
+    Py_ssize_t size = kind == 'd' ? (Py_ssize_t)sizeof(double) : (Py_ssize_t)sizeof(int);
+    if (view->itemsize == size && view->format && strchr(kind == 'd' ? "d" : "il", view->format[0]))
+        return view->len / size;
+    PyBuffer_Release(view);
+    PyErr_Format(PyExc_TypeError, "expected a contiguous array of %s", kind == 'd' ? "float64" : "int32");
+    return -1;
+}
+
+void arrays_release(Arrays *arrays) {
+    while (arrays->count) PyBuffer_Release(&arrays->views[--arrays->count]);
+}
+
+int arrays_look(Arrays *arrays, PyObject *const *objects, const char *kinds) {
+    arrays->count = 0;
+    for (; *kinds; kinds++) {
+        int i = arrays->count;
+        arrays->sizes[i] = look(objects[i], *kinds, &arrays->views[i]);
+        if (arrays->sizes[i] < 0) {
+            arrays_release(arrays);
+            return 0;
+        }
+        arrays->count++;
+    }
+    return 1;
+}
+
+PyObject *arrays_refuse(Arrays *arrays, const char *what) {
+    arrays_release(arrays);
+    PyErr_SetString(PyExc_ValueError, what);
+    return NULL;
+}
+
+PyObject *arrays_no_memory(Arrays *arrays) {
+    arrays_release(arrays);
+    return PyErr_NoMemory();
+}
+
+int are_below(const int *numbers, Py_ssize_t count, int limit) {
+    for (Py_ssize_t e = 0; e < count; e++)
+        if (numbers[e] < 0 || numbers[e] >= limit) return 0;
+    return 1;
+}

@@ -1,0 +1,29 @@
+/* Arrays that Python hands over: contiguous, of float64 and int32. */
+#ifndef RADMPC_ARRAYS_H
+#define RADMPC_ARRAYS_H
+
+#define Py_LIMITED_API 0x030B0000
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+
+/* Several arrays, released together. */
+typedef struct {
+    Py_buffer views[5];
+    Py_ssize_t sizes[5];
+    int count;
+} Arrays;
+
+#define AT(arrays, i) ((arrays).views[i].buf)
+
+/* Look into arrays of the kinds named, 'd' for float64 and 'i' for int32; 0, with an error, where
+ * one is none of its kind. */
+int arrays_look(Arrays *arrays, PyObject *const *objects, const char *kinds);
+void arrays_release(Arrays *arrays);
+
+/* Release, and return an error. */
+PyObject *arrays_refuse(Arrays *arrays, const char *what);
+PyObject *arrays_no_memory(Arrays *arrays);
+
+int are_below(const int *numbers, Py_ssize_t count, int limit);
+
+#endif
