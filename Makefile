@@ -107,11 +107,11 @@ nightly: $(INSTALLED_SIMULATORS) coverage oldest ## what takes too long: all cas
 
 # The lowest versions that pyproject.toml allows of what it names; they may warn of what newer
 # releases of others have deprecated since. Only uv resolves to the lowest.
-oldest: $(INSTALLED_DEV) ## quick tests with the oldest dependencies allowed, in a new environment
+oldest: $(INSTALLED_DEV) ## quick tests with the oldest dependencies and no compiled code, in a new environment
 	$(PIP) install --quiet -c constraints.txt uv
 	$(BIN)/uv venv --quiet --seed --clear --python $(BIN)/python $(OLDEST)
 	$(BIN)/uv pip install --quiet --python $(OLDEST)/bin/python --resolution lowest-direct -e '.[dev]'
-	$(OLDEST)/bin/pytest -n $(WORKERS) --dist worksteal -m 'not slow' \
+	RADMPC_COMPILED=none $(OLDEST)/bin/pytest -n $(WORKERS) --dist worksteal -m 'not slow' \
 	    -W default::DeprecationWarning -W default::PendingDeprecationWarning
 
 test: $(COMPILED) $(AFTER) ## all tests, and of long lists of cases a sample

@@ -61,8 +61,13 @@ def run(installed: Path, cwd: Path, *words: str) -> str:
     return done.stdout
 
 
-def test_the_wheel_is_pure_python_of_this_version(wheel: Path) -> None:
-    assert wheel.name == f"radmpc-{radmpc.__version__}-py3-none-any.whl"
+def test_the_wheel_is_of_this_version_and_says_what_it_was_compiled_for(wheel: Path) -> None:
+    name, version, *tag = wheel.stem.split("-")
+    assert (name, version) == ("radmpc", radmpc.__version__)
+    with zipfile.ZipFile(wheel) as archive:
+        is_compiled = "radmpc/solvers/lp/_simplex.abi3.so" in archive.namelist()
+        assert not [name for name in archive.namelist() if name.endswith((".c", ".h"))]
+    assert tag[:2] == (["cp311", "abi3"] if is_compiled else ["py3", "none"])
 
 
 def test_the_wheel_holds_package_data_and_license_and_nothing_else(wheel: Path) -> None:

@@ -12,11 +12,19 @@ from radmpc.experiments.families import paper
 from radmpc.gaussian import clearance_for
 from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.tree import Tree
+from radmpc.solvers.lp.bounded_lp import BoundedLp
+from radmpc.solvers.lp.choosing import bounded_lp, is_compiled
 from radmpc.solvers.lp.highs_lp import HighsLp
 from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.safe_bound import LpRecord
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
+
+KINDS = [HighsLp]
+if is_compiled():
+    from radmpc.solvers.lp.simplex_lp import SimplexLp
+
+    KINDS.append(SimplexLp)
 
 
 def random_lp(seed):
@@ -48,7 +56,7 @@ def recorded(kind, problem):
     cost, lower, upper, matrix, row_lower, row_upper = problem
     lp = kind(cost, lower, upper)
     rows = csr_array(matrix)
-    if kind is HighsLp:
+    if issubclass(kind, BoundedLp):
         lp.add_rows(rows, row_lower, row_upper)
     else:
         lp.add_rows(rows.indptr, rows.indices, rows.data, row_lower, row_upper)
@@ -64,24 +72,26 @@ def test_whatever_the_dual_values_their_bound_holds(seed):
         assert record.least(scale * rng.normal(size=problem[4].size)) <= least
 
 
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", range(40))
-def test_the_bound_of_a_solved_program_is_close_and_below(seed):
+def test_the_bound_of_a_solved_program_is_close_and_below(seed, kind):
     problem = random_lp(seed)
     least = least_of(*problem)
-    outcome, bound = recorded(HighsLp, problem).solve()
+    outcome, bound = recorded(kind, problem).solve()
     assert outcome is (LpOutcome.INFEASIBLE if least == np.inf else LpOutcome.OPTIMAL)
     if least < np.inf:
         assert least - 1e-7 <= bound <= least + 1e-9
 
 
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", range(40))
-def test_a_cutoff_is_reported_only_where_it_is_proven(seed):
+def test_a_cutoff_is_reported_only_where_it_is_proven(seed, kind):
     problem = random_lp(seed)
     least = least_of(*problem)
     if least == np.inf:
         return
     for cutoff in (least - 1.0, least - 1e-3, least + 1e-3):
-        outcome, bound = recorded(HighsLp, problem).solve(cutoff)
+        outcome, bound = recorded(kind, problem).solve(cutoff)
         assert bound <= least + 1e-9
         assert outcome is LpOutcome.OPTIMAL or bound >= cutoff
         assert not (outcome is LpOutcome.CUTOFF and cutoff > least)
@@ -109,14 +119,16 @@ def test_late_columns_and_rows_count():
     assert record.least(np.array([3.0])) <= 4.0
 
 
-def test_crossed_column_bounds_have_no_point():
-    lp = HighsLp(np.ones(2), np.array([0.0, 1.0]), np.array([1.0, 0.5]))
+@pytest.mark.parametrize("kind", KINDS)
+def test_crossed_column_bounds_have_no_point(kind):
+    lp = kind(np.ones(2), np.array([0.0, 1.0]), np.array([1.0, 0.5]))
     assert lp.solve() == (LpOutcome.INFEASIBLE, np.inf)
 
 
 def failing(monkeypatch, lies):
-    """Let HiGHS fail at every n-th program, n = lies, however often it is asked."""
-    honest = HighsLp.solve
+    """Let the solver fail at every n-th program, n = lies, however often it is asked."""
+    kind = type(bounded_lp(np.zeros(1), np.zeros(1), np.zeros(1)))
+    honest = kind.solve
     state = {"count": 0}
 
     def solve(self, cutoff=np.inf):
@@ -125,7 +137,7 @@ def failing(monkeypatch, lies):
             return LpOutcome.FAILED, -np.inf
         return honest(self, cutoff)
 
-    monkeypatch.setattr(HighsLp, "solve", solve)
+    monkeypatch.setattr(kind, "solve", solve)
 
 
 def program_of(scenario):

@@ -144,8 +144,12 @@ static int begin_again(Lp *lp) {
 static Outcome search(Lp *lp, double cutoff, long most, double *scratch, double *bound) {
     double stop = cutoff + BEYOND * fabs(cutoff);
     int returns = 0;
-    if (lp_make_dual_feasible(lp)) lp_compute_vertex(lp);
-    else if (!begin_again(lp)) return LP_FAILED;
+    if (!lp_make_dual_feasible(lp)) {
+        /* An unbounded column wants to grow: no active rows, then, as costs are mostly >= 0. */
+        lp_leave_basis(lp);
+        if (!lp_make_dual_feasible(lp)) return LP_FAILED;
+    }
+    lp_compute_vertex(lp);
     for (long last = lp->pivots + most; lp->pivots < last;) {
         if (lp->updates > MOST_UPDATES && !begin_again(lp)) return LP_FAILED;
         if (isfinite(stop) && lp_cost_of_vertex(lp) >= stop) {
@@ -169,7 +173,8 @@ static Outcome search(Lp *lp, double cutoff, long most, double *scratch, double 
             lp_price(lp);
             double cost = lp_cost_of_vertex(lp);
             *bound = lp_proven(lp, lp->size, lp->active, lp->multipliers, 1, scratch);
-            if (cost - *bound <= 1e-6 * fmax(1.0, fabs(cost)) || ++returns > MOST_RETURNS) return LP_OPTIMAL;
+            int is_tight = cost - *bound <= 1e-6 * fmax(1.0, fabs(cost)) || !isfinite(*bound);
+            if (is_tight || ++returns > MOST_RETURNS) return LP_OPTIMAL;
             if (!begin_again(lp)) return LP_FAILED;
             continue;
         }
@@ -213,12 +218,7 @@ Outcome lp_solve(Lp *lp, double cutoff, long most, double *bound) {
     if (outcome == LP_FAILED) {
         double best = lp_proven(lp, 0, NULL, NULL, 1, scratch);
         if (best > *bound) *bound = best;
-        /* Begin without any active row next time. */
-        for (int p = 0; p < lp->size; p++) {
-            lp->row_at[lp->active[p]] = INACTIVE;
-            lp->column_at[lp->basic[p]] = AT_LOWER;
-        }
-        lp->size = lp->updates = 0;
+        lp_leave_basis(lp);
     }
     free(scratch);
     return outcome;

@@ -74,6 +74,7 @@ void lp_free(Lp *lp);
 int lp_add_row(Lp *lp, int size, const int *columns, const double *values, double lower, double upper);
 int lp_add_column(Lp *lp, double cost, double upper, int size, const int *rows, const double *values);
 int lp_reserve_basis(Lp *lp, int size);
+void lp_leave_basis(Lp *lp);
 int lp_begin_with(Lp *lp, int size, const int *rows, const int *columns);
 
 /* basis.c: the inverse, changed by one exchange at a time */

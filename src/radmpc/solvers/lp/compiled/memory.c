@@ -169,7 +169,7 @@ int lp_add_column(Lp *lp, double cost, double upper, int size, const int *rows, 
     return 1;
 }
 
-static void leave_basis(Lp *lp) {
+void lp_leave_basis(Lp *lp) {
     for (int p = 0; p < lp->size; p++) {
         lp->row_at[lp->active[p]] = INACTIVE;
         lp->column_at[lp->basic[p]] = AT_LOWER;
@@ -215,7 +215,7 @@ static int save_basis(Lp *lp, int size, const int *rows, const int *columns) {
 int lp_begin_with(Lp *lp, int size, const int *rows, const int *columns) {
     const Saved *saved = &lp->saved;
     if (!lp_reserve_basis(lp, size + 1)) return 0;
-    leave_basis(lp);
+    lp_leave_basis(lp);
     for (int j = 0; j < lp->num_columns; j++)
         lp->column_at[j] = isfinite(lp->lower[j]) ? AT_LOWER : AT_UPPER;
     /* Siblings of a search begin where their parent ended: factored once. */
