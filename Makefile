@@ -13,7 +13,7 @@ INSTALLED_DEV := $(VENV)/.installed-dev
 INSTALLED_SIMULATORS := $(VENV)/.installed-simulators
 INSTALLED_SERVE := $(VENV)/.installed-serve
 COMPILED := $(VENV)/.compiled
-PROGRAMS := $(wildcard src/radmpc/solvers/lp/compiled/*.[ch]) hatch_build.py
+PROGRAMS := $(wildcard src/radmpc/solvers/compiled/*.[ch]) hatch_build.py
 PAGE := $(BIN)/python web/page.py
 
 # Workers share the processors already: threads within small matrices only stand in their way.

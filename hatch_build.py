@@ -23,8 +23,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 _MACHINES = {"x86_64", "amd64", "aarch64", "arm64"}
 """Processors that there are wheels of Node.js for; elsewhere an install must not wait for one."""
 
-_LP = Path("src/radmpc/solvers/lp")
-_COMPILED = _LP / "_simplex.abi3.so"
+_SOLVERS = Path("src/radmpc/solvers")
+_COMPILED = _SOLVERS / "_compiled.abi3.so"
 """Of Python's stable interface: one for all versions from 3.11 on."""
 
 _FLAGS = ("-std=gnu11", "-O3", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off")
@@ -47,7 +47,7 @@ class BuildHook(BuildHookInterface):  # type: ignore[type-arg]  # its parameter 
         """Have both made, and packed though git ignores them."""
         if self.target_name != "wheel":
             return
-        folder = Path(self.root) / _LP / "compiled"
+        folder = Path(self.root) / _SOLVERS / "compiled"
         lack = "no compiled simplex method, HiGHS solves all linear programs"
         if folder.is_dir() and self._has("COMPILED", lack, self._compile):
             build_data["artifacts"].append(str(_COMPILED))
@@ -74,7 +74,7 @@ class BuildHook(BuildHookInterface):  # type: ignore[type-arg]  # its parameter 
     def _compile(self) -> str | None:
         """Compile what is newer than its result; return why that is not possible."""
         root = Path(self.root)
-        target, folder = root / _COMPILED, root / _LP / "compiled"
+        target, folder = root / _COMPILED, root / _SOLVERS / "compiled"
         sources = sorted(folder.glob("*.c"))
         newest = max(path.stat().st_mtime for path in (*sources, *folder.glob("*.h")))
         if target.is_file() and target.stat().st_mtime > newest:

@@ -65,7 +65,7 @@ def test_the_wheel_is_of_this_version_and_says_what_it_was_compiled_for(wheel: P
     name, version, *tag = wheel.stem.split("-")
     assert (name, version) == ("radmpc", radmpc.__version__)
     with zipfile.ZipFile(wheel) as archive:
-        is_compiled = "radmpc/solvers/lp/_simplex.abi3.so" in archive.namelist()
+        is_compiled = "radmpc/solvers/_compiled.abi3.so" in archive.namelist()
         assert not [name for name in archive.namelist() if name.endswith((".c", ".h"))]
     assert tag[:2] == (["cp311", "abi3"] if is_compiled else ["py3", "none"])
 

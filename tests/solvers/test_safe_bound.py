@@ -12,8 +12,9 @@ from radmpc.experiments.families import paper
 from radmpc.gaussian import clearance_for
 from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.tree import Tree
+from radmpc.solvers.compiled_code import is_compiled
 from radmpc.solvers.lp.bounded_lp import BoundedLp
-from radmpc.solvers.lp.choosing import bounded_lp, is_compiled
+from radmpc.solvers.lp.choosing import bounded_lp
 from radmpc.solvers.lp.highs_lp import HighsLp
 from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.safe_bound import LpRecord

@@ -9,7 +9,8 @@ from scipy.sparse import csr_array
 
 from radmpc.experiments.families import paper
 from radmpc.planning import plan
-from radmpc.solvers.lp.choosing import bounded_lp, is_compiled
+from radmpc.solvers.compiled_code import is_compiled
+from radmpc.solvers.lp.choosing import bounded_lp
 from radmpc.solvers.lp.highs_lp import HighsLp
 from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.safe_bound import LpRecord
@@ -17,7 +18,7 @@ from radmpc.solvers.lp.safe_bound import LpRecord
 pytestmark = pytest.mark.skipif(not is_compiled(), reason="no compiled simplex method here")
 
 if is_compiled():
-    from radmpc.solvers.lp import _simplex
+    from radmpc.solvers import _compiled
     from radmpc.solvers.lp.simplex_lp import SimplexLp
 
 
@@ -202,7 +203,7 @@ def test_an_unbounded_column_is_left_where_its_cost_wants_it() -> None:
     ],
 )
 def test_compiled_code_refuses_what_would_lead_it_astray(call, said: str) -> None:
-    program = _simplex.Program(np.ones(2), np.zeros(2), np.ones(2), 1e-9)
+    program = _compiled.Program(np.ones(2), np.zeros(2), np.ones(2), 1e-9)
     with pytest.raises(ValueError, match=said):
         call(program)
     with pytest.raises(TypeError, match="float64"):
@@ -218,7 +219,7 @@ def ints(*numbers: int) -> np.ndarray:
 def test_without_compiled_code_plans_are_as_good(monkeypatch: pytest.MonkeyPatch) -> None:
     scenario = paper(4, 1)
     compiled = plan(scenario)
-    monkeypatch.setattr("radmpc.solvers.lp.choosing._simplex", None)
+    monkeypatch.setattr("radmpc.solvers.compiled_code._compiled", None)
     assert isinstance(bounded_lp(np.ones(1), np.zeros(1), np.ones(1)), HighsLp)
     by_highs = plan(scenario)
     assert compiled.cost == pytest.approx(by_highs.cost, rel=1e-3)

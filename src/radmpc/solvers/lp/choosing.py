@@ -1,26 +1,12 @@
-"""The solver for short warm solves: compiled code where it was installed, else HiGHS.
-
-``RADMPC_COMPILED=none`` in the environment leaves everything to HiGHS, to compare.
-"""
+"""The solver for short warm solves: compiled code where it was installed, else HiGHS."""
 
 from __future__ import annotations
 
-import os
-
 from radmpc.arrays import Vector
+from radmpc.solvers.compiled_code import is_compiled
 from radmpc.solvers.lp.bounded_lp import BoundedLp
 
-try:
-    from radmpc.solvers.lp import _simplex
-except ImportError:
-    _simplex = None  # type: ignore[assignment]  # installed where there was no compiler
-
-__all__ = ["bounded_lp", "is_compiled"]
-
-
-def is_compiled() -> bool:
-    """Whether the compiled simplex method was installed."""
-    return _simplex is not None and os.environ.get("RADMPC_COMPILED") != "none"
+__all__ = ["bounded_lp"]
 
 
 def bounded_lp(cost: Vector, lower: Vector, upper: Vector) -> BoundedLp:

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.solvers.lp import _simplex
+from radmpc.solvers import _compiled
 from radmpc.solvers.lp.bounded_lp import BoundedLp, floats
 from radmpc.solvers.lp.outcome import LpOutcome, Numbers
 
@@ -35,7 +35,7 @@ class SimplexLp(BoundedLp):
     def __init__(self, cost: Vector, lower: Vector, upper: Vector) -> None:
         super().__init__(int(cost.size))
         columns = floats(cost), floats(lower), floats(upper)
-        self._program = _simplex.Program(*columns, _FEASIBILITY_TOL)
+        self._program = _compiled.Program(*columns, _FEASIBILITY_TOL)
         self._point: Vector | None = None
 
     def solve(self, cutoff: float = float("inf")) -> tuple[LpOutcome, float]:

@@ -5,13 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.compiled_code import is_compiled
 from radmpc.solvers.priced.rating import Rater, Rating
 from radmpc.solvers.priced.tuning import TUNING
 
+if is_compiled():
+    from radmpc.solvers import _compiled
+
 __all__ = ["BranchingChoice"]
+
+_FACTORS = np.array([TUNING.second_weight, TUNING.missing_factor, TUNING.missing_length])
+"""As compiled code takes them (`choose_avoidance`)."""
 
 
 class BranchingChoice:
@@ -62,17 +70,28 @@ class BranchingChoice:
         """
         if rating.cheapest.size == 0:
             return None, False
-        free = np.ones(rating.cheapest.size, dtype=bool)
+        is_decided = np.zeros(rating.cheapest.size, dtype=bool)
         decided = np.array(chosen, dtype=np.int64)
-        free[self._owner[decided[~self._is_refined[decided]]]] = False
+        is_decided[self._owner[decided[~self._is_refined[decided]]]] = True
+        # Without a solution, what failed often fails early: begin there (Boussemart 2004).
+        by_weight = not has_plan or rating.short.shape[1] == 1
+        if is_compiled():
+            parts = rating.short, rating.cheapest, is_decided, self._weights, _FACTORS
+            worst, is_blunt = _compiled.choose_avoidance(*parts, by_weight)
+            return (worst if worst >= 0 else None), bool(is_blunt)
+        return self._worst(~is_decided, rating, by_weight=by_weight)
+
+    def _worst(
+        self, free: npt.NDArray[np.bool_], rating: Rating, *, by_weight: bool
+    ) -> tuple[int | None, bool]:
+        """Choose among free avoidances without compiled code."""
         least = np.where(free, rating.short.min(axis=1), -np.inf)
         violated = np.flatnonzero(least > 0.0)
         if violated.size == 0:
             risks = np.where(free, rating.cheapest, 0.0)
             worst = int(risks.argmax())
             return (worst if risks[worst] > 0.0 else None), False
-        if not has_plan or rating.short.shape[1] == 1:
-            # Without a solution, what failed often fails early: begin there (Boussemart 2004).
+        if by_weight:
             return int(violated[(least[violated] * self._weights[violated]).argmax()]), True
         nearest = np.partition(rating.short[violated], 1, axis=1)[:, :2]
         second = np.where(

@@ -44,7 +44,7 @@ class BudgetTree(RiskTree):
         rows = self._tangents.noisy_rows(chosen)
         if rows.size == 0 or rating.risk <= (1.0 + OVER) * self.unit:
             return False
-        missing = np.maximum(rating.risks[rows] - self.lp.allocated(rows, point), 0.0) / self.unit
+        missing = np.maximum(rating.risks(rows) - self.lp.allocated(rows, point), 0.0) / self.unit
         if missing.sum() <= _MISSING:
             return False
         return self._tangents.add(self.lp, rows[missing > _MISSING / (4.0 * rows.size)], rating)

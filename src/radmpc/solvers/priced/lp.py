@@ -25,7 +25,10 @@ from radmpc.solvers.lp.outcome import LpOutcome, Numbers
 from radmpc.solvers.priced.row_tangents import RowTangents, Touching
 from radmpc.solvers.priced.tuning import TUNING
 
-__all__ = ["RiskLp", "SetBound"]
+__all__ = ["Basis", "RiskLp", "SetBound"]
+
+Basis = tuple[int, bytes]
+"""A vertex of a `RiskLp`: how often it was loaded by then, and the basis there."""
 
 _INF = float("inf")
 _DEAR = 1e6
@@ -95,6 +98,7 @@ class RiskLp:
         self.row_cap, self.floor = self._tangents.row_cap, self._tangents.floor
         self._row_scale = 1.0 if price <= _DEAR else _DEAR / price
         self.dropped_solves = 0
+        self._starts = 0
         self._bounds = tuple(sorted(bounds, key=lambda b: (len(b.blocks), sorted(b.blocks))))
         self._start()
 
@@ -106,6 +110,7 @@ class RiskLp:
     def _start(self) -> None:
         """Load columns, hard rows and proven bounds; no chance row yet."""
         program = self.program
+        self._starts += 1
         self._rows: dict[int, _Row] = {}
         self._risk_columns: dict[int, int] = {}
         self._active: set[int] = set()
@@ -226,6 +231,22 @@ class RiskLp:
     def solve(self, cutoff: float = _INF) -> tuple[LpOutcome, float]:
         """Minimize over the active rows; see `BoundedLp.solve`."""
         return self._lp.solve(cutoff)
+
+    def basis(self) -> Basis:
+        """Return where the last solve ended."""
+        return self._starts, self._lp.basis()
+
+    def begin_with(self, basis: Basis) -> None:
+        """Begin the next solve where another one ended, unless rows were dropped since.
+
+        Parameters
+        ----------
+        basis : (int, bytes)
+            From `basis`.
+        """
+        starts, vertex = basis
+        if starts == self._starts:
+            self._lp.begin_with(vertex)
 
     def point(self) -> Vector:
         """Return the decision variables, then all other columns, of the last optimal solve."""

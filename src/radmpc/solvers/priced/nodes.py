@@ -43,7 +43,10 @@ class Node(OpenNode):
         Whether it has been.
     alternatives : tuple of int
         The alternatives to branch on; empty where there is nothing left to decide.
+    basis : (int, bytes)
+        Where its linear program ended, for those of its children to begin with; see `RiskLp`.
     """
 
     is_solved: bool = field(compare=False, default=False)
     alternatives: tuple[int, ...] = field(compare=False, default=())
+    basis: tuple[int, bytes] = field(compare=False, default=(0, b""))

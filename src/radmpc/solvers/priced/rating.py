@@ -5,16 +5,25 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import CONVEX_RISK, clearance
+from radmpc.gaussian import CONVEX_RISK, Tail, clearance
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass
+from radmpc.solvers.compiled_code import is_compiled
+from radmpc.solvers.lp.outcome import Numbers
 from radmpc.solvers.priced.row_tangents import RowTangents
 from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.selection import alternative_table, possible_alternatives
 
+if is_compiled():
+    from radmpc.solvers import _compiled
+
 __all__ = ["Rater", "Rating"]
+
+_NOT_SENT = {"tangents", "_compiled"}
+"""What other processes compute sooner than they receive it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,8 +32,8 @@ class Rating:
 
     Attributes
     ----------
-    clearances, risks : (r,) array
-        Of every row [standard deviations], [-].
+    clearances : (r,) array
+        Of every row [standard deviations].
     cheapest : (v,) array
         Least risk of any alternative of each avoidance.
     selection : (v,) int array
@@ -35,15 +44,27 @@ class Rating:
         Risk of the selection, shared rows counted once.
     largest : float
         Largest risk of a single row of the selection.
+    tail : Tail
+        Of what rows deviate by.
     """
 
     clearances: Vector
-    risks: Vector
     cheapest: Vector
     selection: Indices
     short: Vector
     risk: float
     largest: float
+    tail: Tail
+
+    def risks(self, rows: Indices) -> Vector:
+        """Return the risks of some rows.
+
+        Parameters
+        ----------
+        rows : (k,) int array
+            Which.
+        """
+        return self.tail.probability(self.clearances[rows])
 
 
 class Rater:
@@ -107,18 +128,28 @@ class Rater:
     def rate(self, z: Vector) -> Rating:
         """Return a point's rating; infinite risk if an avoidance has no possible alternative."""
         program = self.program
+        if program.num_avoidances and not self.is_infeasible and is_compiled():
+            clearances, cheapest = np.empty(program.rows.count), np.empty(self._every.size)
+            selection, short = np.empty(self._every.size, np.int64), np.empty(self.table.shape)
+            parts = clearances, cheapest, selection, short
+            risk, largest = self._compiled.rate(program.num_columns, z, *parts)
+            return Rating(*parts, risk, largest, program.tail)
+        return self._rated(z)
+
+    def _rated(self, z: Vector) -> Rating:
+        """Return a point's rating without compiled code."""
+        program = self.program
         slacks = program.slacks(z)
         clearances = slacks * self._inverse
         if self._certain.any():
             certain = slacks[self._certain]
             clearances[self._certain] = clearance(certain, np.zeros(certain.size))
-        risks: Vector = np.asarray(program.tail.probability(clearances))
         if program.num_avoidances == 0 or self.is_infeasible:
             risk = np.inf if self.is_infeasible else 0.0
             none = np.zeros(0)
-            return Rating(
-                clearances, risks, none, none.astype(np.int64), none.reshape(0, 1), risk, risk
-            )
+            nothing = none, none.astype(np.int64), none.reshape(0, 1)
+            return Rating(clearances, *nothing, risk, risk, program.tail)
+        risks: Vector = np.asarray(program.tail.probability(clearances))
         misses = self._reference - slacks
         if self._is_single:
             by_alternative = risks[self._row_table]
@@ -136,7 +167,28 @@ class Rater:
         cheapest = by_alternative[self._every, places]
         selection = self.table[self._every, places]
         risk, largest = self._total(z, selection, cheapest)
-        return Rating(clearances, risks, cheapest, selection, short, risk, largest)
+        return Rating(clearances, cheapest, selection, short, risk, largest, program.tail)
+
+    @cached_property
+    def _compiled(self) -> _compiled.Ratings:
+        """The same for compiled code."""
+        program, rows = self.program, self.program.rows
+        return _compiled.Ratings(
+            *_parts(program.outputs),
+            *_parts(rows.normals),
+            program.constant,
+            rows.offsets,
+            self._inverse,
+            self._reference,
+            self.table.astype(np.int32),
+            program.alternative_starts.astype(np.int32),
+            program.alternative_rows.astype(np.int32),
+            rows.events.astype(np.int32),
+            program.num_columns,
+            self.table.shape[1],
+            rows.risk_items.size,
+            program.tail.samples or 0,
+        )
 
     def _total(self, z: Vector, selection: Indices, cheapest: Vector) -> tuple[float, float]:
         """Return the risk of a selection, and its largest part."""
@@ -147,7 +199,7 @@ class Rater:
 
     def __getstate__(self) -> dict[str, object]:
         """Leave out what other processes compute sooner than they receive it."""
-        return {name: value for name, value in vars(self).items() if name != "tangents"}
+        return {name: value for name, value in vars(self).items() if name not in _NOT_SENT}
 
     @cached_property
     def tangents(self) -> RowTangents:
@@ -158,3 +210,8 @@ class Rater:
     def _is_distinct(self) -> bool:
         """Whether no two rows share an event."""
         return self.program.rows.risk_items.size == self.program.rows.count
+
+
+def _parts(matrix: csr_array) -> tuple[Numbers, Numbers, Vector]:
+    """Return a sparse matrix as compiled code takes it."""
+    return matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32), matrix.data

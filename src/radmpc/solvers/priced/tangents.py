@@ -78,7 +78,7 @@ class Tangents:
         if rows.size == 0:
             return False
         # Rows of one event share a column: a row below its share must not offset another above.
-        missing = np.maximum(rating.risks[rows] - lp.allocated(rows, point), 0.0)
+        missing = np.maximum(rating.risks(rows) - lp.allocated(rows, point), 0.0)
         missing *= lp.price / self._unit
         if missing.sum() <= tolerance:
             return False

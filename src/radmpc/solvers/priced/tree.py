@@ -111,7 +111,7 @@ class RiskTree:
         if self.rater.is_infeasible:
             self.bound = _INF
         else:
-            self._push(-_INF, ())
+            self._open.open(self._node(-_INF, ()))
 
     @property
     def lp(self) -> RiskLp:
@@ -157,7 +157,7 @@ class RiskTree:
             return
         for bound, chosen in frontier:
             lower = bound if share == 1.0 else share * bound + (1.0 - share) * base
-            self._push(lower, chosen)
+            self._open.open(self._node(lower, chosen))
         if best is not None:
             self.best = best
             self.value = best.cost + self.price * best.risk / self.unit
@@ -204,6 +204,7 @@ class RiskTree:
         children = []
         for alternative in node.alternatives:
             child = self._node(node.bound, self._choice.replaced(node.chosen, alternative))
+            child.basis = node.basis
             if self.limits.reached:
                 # A linear program may take half a second: no other is begun.
                 self._open.open(child)
@@ -223,6 +224,7 @@ class RiskTree:
         node.is_solved = True
         if node.bound < self._cutoff():
             self.lp.activate(self._tangents.rows(node.chosen))
+            self.lp.begin_with(node.basis)
             for attempt in range(self.rounds):
                 outcome = self._relax(node)
                 if outcome is LpOutcome.INFEASIBLE:
@@ -249,6 +251,7 @@ class RiskTree:
                 if avoidance is None:
                     break
                 node.alternatives = self._choice.alternatives(avoidance, node.chosen, rating)
+                node.basis = self.lp.basis()
                 return
         node.is_open = True
         self._parked.append(node)
@@ -289,10 +292,6 @@ class RiskTree:
     def _cutoff(self) -> float:
         """Return the value from which on a node cannot matter."""
         return _INF if self.best is None else cutoff_below(self.value, self.gap, self.scale)
-
-    def _push(self, bound: float, chosen: tuple[int, ...]) -> None:
-        """Open a node that is yet to be solved."""
-        self._open.open(self._node(bound, chosen))
 
     def _node(self, bound: float, chosen: tuple[int, ...]) -> Node:
         """Return a new node."""

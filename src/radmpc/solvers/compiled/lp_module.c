@@ -1,6 +1,7 @@
 /* The linear program as a Python type. Arrays are contiguous, of float64 and int32. */
 #include "arrays.h"
 #include "lp.h"
+#include "modules.h"
 
 #include <string.h>
 
@@ -219,21 +220,7 @@ static PyType_Slot slots[] = {
 };
 
 static PyType_Spec spec = {
-    "radmpc.solvers.lp.compiled.Program", sizeof(Program), 0, Py_TPFLAGS_DEFAULT, slots,
+    "radmpc.solvers._compiled.Program", sizeof(Program), 0, Py_TPFLAGS_DEFAULT, slots,
 };
 
-static int begin_module(PyObject *module) {
-    PyObject *type = PyType_FromSpec(&spec);
-    if (!type) return -1;
-    int failed = PyModule_AddObjectRef(module, "Program", type);
-    Py_DECREF(type);
-    return failed;
-}
-
-static PyModuleDef_Slot module_slots[] = {{Py_mod_exec, begin_module}, {0, NULL}};
-
-static struct PyModuleDef definition = {
-    PyModuleDef_HEAD_INIT, "_simplex", "A compiled dual simplex method.", 0, NULL, module_slots, NULL, NULL, NULL,
-};
-
-PyMODINIT_FUNC PyInit__simplex(void) { return PyModuleDef_Init(&definition); }
+PyObject *program_type(void) { return PyType_FromSpec(&spec); }

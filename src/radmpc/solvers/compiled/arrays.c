@@ -2,14 +2,28 @@
 
 #include <string.h>
 
+typedef struct {
+    char kind;
+    size_t size;
+    const char *formats, *name;
+} Kind;
+
+static const Kind KINDS[] = {
+    {'d', sizeof(double), "d", "float64"},
+    {'i', sizeof(int), "il", "int32"},
+    {'q', sizeof(long long), "lq", "int64"},
+    {'b', 1, "?bB", "bool"},
+};
+
 /* Look into an array; -1, with an error, where it is none of the kind. */
-static Py_ssize_t look(PyObject *array, char kind, Py_buffer *view) {
+static Py_ssize_t look(PyObject *array, char letter, Py_buffer *view) {
+    const Kind *kind = KINDS;
+    while (kind->kind != letter) kind++;
     if (PyObject_GetBuffer(array, view, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) < 0) return -1;
-    Py_ssize_t size = kind == 'd' ? (Py_ssize_t)sizeof(double) : (Py_ssize_t)sizeof(int);
-    if (view->itemsize == size && view->format && strchr(kind == 'd' ? "d" : "il", view->format[0]))
-        return view->len / size;
+    if (view->itemsize == (Py_ssize_t)kind->size && view->format && strchr(kind->formats, view->format[0]))
+        return view->len / view->itemsize;
     PyBuffer_Release(view);
-    PyErr_Format(PyExc_TypeError, "expected a contiguous array of %s", kind == 'd' ? "float64" : "int32");
+    PyErr_Format(PyExc_TypeError, "expected a contiguous array of %s", kind->name);
     return -1;
 }
 

@@ -8,15 +8,15 @@
 
 /* Several arrays, released together. */
 typedef struct {
-    Py_buffer views[5];
-    Py_ssize_t sizes[5];
+    Py_buffer views[14];
+    Py_ssize_t sizes[14];
     int count;
 } Arrays;
 
 #define AT(arrays, i) ((arrays).views[i].buf)
 
-/* Look into arrays of the kinds named, 'd' for float64 and 'i' for int32; 0, with an error, where
- * one is none of its kind. */
+/* Look into arrays of the kinds named, 'd' for float64, 'i' for int32, 'q' for int64, 'b' for
+ * bool; 0, with an error, where one is none of its kind. */
 int arrays_look(Arrays *arrays, PyObject *const *objects, const char *kinds);
 void arrays_release(Arrays *arrays);
 

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
-ROOT = Path(__file__).parent.parent
-MADE = Path("src/radmpc/solvers/lp/_simplex.abi3.so")
+ROOT = Path(__file__).parent.parent.parent
+MADE = Path("src/radmpc/solvers/_compiled.abi3.so")
 SAID = "no compiled simplex method, HiGHS solves all linear programs: "
 
 

@@ -1,0 +1,69 @@
+"""What is in ``compiled/``: a dual simplex method, and rating."""
+
+import numpy as np
+import numpy.typing as npt
+
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.solvers.lp.outcome import Numbers
+
+class Program:
+    def __new__(
+        cls, cost: Vector, lower: Vector, upper: Vector, tolerance: float, /
+    ) -> Program: ...
+    @property
+    def pivots(self) -> int: ...
+    def add_rows(
+        self, starts: Numbers, columns: Numbers, values: Matrix, lower: Vector, upper: Vector, /
+    ) -> None: ...
+    def add_column(self, cost: float, upper: float, rows: Numbers, values: Vector, /) -> None: ...
+    def bound_rows(self, rows: Numbers, lower: Vector, upper: Vector, /) -> None: ...
+    def change_cost(self, cost: Vector, /) -> None: ...
+    def solve(self, cutoff: float, most_pivots: int, /) -> tuple[int, float]: ...
+    def point(self, into: Vector, /) -> None: ...
+    def basis(self) -> bytes: ...
+    def begin_with(self, basis: bytes, /) -> None: ...
+    def contents(self) -> tuple[bytes, ...]: ...
+
+class Ratings:
+    def __new__(
+        cls,
+        output_starts: Numbers,
+        output_columns: Numbers,
+        output_values: Vector,
+        row_starts: Numbers,
+        row_outputs: Numbers,
+        row_values: Vector,
+        constant: Vector,
+        offsets: Vector,
+        inverse_deviations: Vector,
+        reference: Vector,
+        table: Numbers,
+        alternative_starts: Numbers,
+        alternative_rows: Numbers,
+        events: Numbers,
+        num_columns: int,
+        width: int,
+        num_events: int,
+        samples: int,
+        /,
+    ) -> Ratings: ...
+    def rate(
+        self,
+        num_columns: int,
+        point: Vector,
+        clearances: Vector,
+        cheapest: Vector,
+        selection: Indices,
+        short: Matrix,
+        /,
+    ) -> tuple[float, float]: ...
+
+def choose_avoidance(
+    short: Matrix,
+    cheapest: Vector,
+    is_decided: npt.NDArray[np.bool_],
+    weights: Vector,
+    factors: Vector,
+    by_weight: bool,
+    /,
+) -> tuple[int, bool]: ...
