@@ -262,9 +262,8 @@ class DisjunctiveProgram:
         """
         rows = self._members(selection)
         risks = np.zeros(self.rows.risk_items.size)
-        np.maximum.at(
-            risks, self.rows.events[rows], self.tail.probability(self.clearances(z)[rows])
-        )
+        chosen = clearance(self.slacks(z)[rows], self.rows.deviations[rows])
+        np.maximum.at(risks, self.rows.events[rows], self.tail.probability(chosen))
         return risks
 
     def selected_rows(self, selection: Indices) -> Indices:

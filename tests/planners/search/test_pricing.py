@@ -8,7 +8,7 @@ import pytest
 from radmpc.experiments.families import paper
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import next_price
-from radmpc.planners.certified.repair import repair
+from radmpc.planners.certified.repair import AllocatedPrograms, repair
 from radmpc.planners.certified.set_searches import solve_sets
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.solvers.solution import Limits
@@ -76,7 +76,7 @@ def risk_and_cost(singles, points):
 def test_fitted_risks_use_the_budget_and_do_not_exceed_it(singles):
     risk, _ = risk_and_cost(singles, [plan.z for plan in singles[1]])
     for share, least in ((0.3, 0.27), (1.5, 1.2)):
-        rescaled = repair(*singles, share * risk)
+        rescaled = repair(*singles, share * risk, AllocatedPrograms())
         assert rescaled is not None
         assert least * risk <= risk_and_cost(singles, rescaled)[0] <= share * risk
 
@@ -84,11 +84,14 @@ def test_fitted_risks_use_the_budget_and_do_not_exceed_it(singles):
 def test_a_larger_budget_never_costs_more(singles):
     risk, _ = risk_and_cost(singles, [plan.z for plan in singles[1]])
     budgets = risk * np.array([0.2, 0.5, 1.0, 2.0])
-    costs = [risk_and_cost(singles, repair(*singles, budget))[1] for budget in budgets]
+    costs = [
+        risk_and_cost(singles, repair(*singles, budget, AllocatedPrograms()))[1]
+        for budget in budgets
+    ]
     assert costs == sorted(costs, reverse=True)
     assert costs[-1] < costs[0]
 
 
 @pytest.mark.parametrize("budget", [0.0, -0.01])
 def test_where_nothing_may_be_risked_nothing_fits(singles, budget):
-    assert repair(*singles, budget) is None
+    assert repair(*singles, budget, AllocatedPrograms()) is None

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import field
 
 from radmpc.arrays import Vector
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Merging
+from radmpc.planners.certified.repair import AllocatedPrograms
 from radmpc.planners.certified.rescaling import rescaled
 from radmpc.planners.certified.rounds import Round
 from radmpc.planners.certified.state.search_state import SearchState
@@ -92,6 +94,8 @@ class _Rescaling:
         Whether the referee was asked of the round as it is, not rescaled.
     has_merged : bool
         Whether pairs across sets were merged.
+    programs : AllocatedPrograms
+        The linear programs of the round, from one budget to the next.
     """
 
     fleet: Fleet
@@ -106,10 +110,12 @@ class _Rescaling:
     last: Verdict | None = None
     is_judged: bool = False
     has_merged: bool = False
+    programs: AllocatedPrograms = field(default_factory=AllocatedPrograms)
 
     def step(self) -> bool:
         """Rescale to one budget; tell whether to go on to the next."""
-        points = rescaled(self.fleet, self.candidate, self.budget, self.inter_set_risk)
+        limits = self.budget, self.inter_set_risk
+        points = rescaled(self.fleet, self.candidate, *limits, self.programs)
         if points is None:
             return self._after_failure()
         risk_bound = self.fleet.scenario.risk_bound

@@ -153,8 +153,8 @@ class Fleet:
     @property
     def base(self) -> tuple[float, ...]:
         """What every vehicle costs at least, in empty space; builds its program."""
-        costs = [self.programs.least_cost(i) for i in range(self.scenario.num_vehicles)]
-        return tuple(map(max, costs, self.visit_costs)) if self.visit_costs else tuple(costs)
+        costs = self.programs.least_costs()
+        return tuple(map(max, costs, self.visit_costs)) if self.visit_costs else costs
 
     @property
     def is_large(self) -> bool:

@@ -60,6 +60,7 @@ class SetPrograms:
         self._problems: dict[Members, SetProblem] = {}
         self._alone: dict[Members, Scenario] = {}
         self._least_costs: dict[int, float] = {}
+        self._least_of_all: tuple[float, ...] = ()
         self._motions: dict[Members, tuple[Vector, Tensor, Tensor]] = {}
 
     def problem(self, members: Members) -> SetProblem:
@@ -88,6 +89,13 @@ class SetPrograms:
         if i not in self._least_costs:
             self._least_costs[i] = _cost_without_hazards(self.problem((i,)).program)
         return self._least_costs[i]
+
+    def least_costs(self) -> tuple[float, ...]:
+        """Return `least_cost` of every vehicle."""
+        if len(self._least_of_all) < self.scenario.num_vehicles:
+            every = range(self.scenario.num_vehicles)
+            self._least_of_all = tuple(self.least_cost(i) for i in every)
+        return self._least_of_all
 
     def alone(self, members: Members) -> Scenario:
         """Return a set's scenario: its vehicles with the obstacles that these may hit."""

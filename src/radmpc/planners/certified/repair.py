@@ -10,6 +10,7 @@ from radmpc.arrays import Vector
 from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.tuning import TUNING
+from radmpc.solvers.compiled_code import is_compiled
 from radmpc.solvers.lp.bounded_lp import BoundedLp
 from radmpc.solvers.lp.choosing import bounded_lp
 from radmpc.solvers.lp.outcome import LpOutcome
@@ -17,7 +18,7 @@ from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
-__all__ = ["repair", "repriced"]
+__all__ = ["AllocatedPrograms", "repair", "repriced"]
 
 _TUNED = TUNING.acceptance
 
@@ -31,15 +32,19 @@ _NEAR = 5e-9
 _FAR = 12.0
 """Clearance in standard deviations beyond which a row is left out while risks are rescaled [-]."""
 
-_WARM = 64
-"""Linear programs that are kept from one rescaling to the next [-]: each takes 0.3 MB."""
+_WARM, _WARM_BY_HIGHS = 512, 64
+"""Linear programs that are kept from one rescaling to the next [-]: in HiGHS each takes 0.3 MB, in
+compiled code a tenth of it."""
 
 _SLACK = 1e-6
 """Share of the budget kept back, so that the solver's tolerance cannot exceed it [-]."""
 
 
 def repair(
-    problems: Sequence[SetProblem], incumbents: Sequence[Incumbent], budget: float
+    problems: Sequence[SetProblem],
+    incumbents: Sequence[Incumbent],
+    budget: float,
+    programs: AllocatedPrograms,
 ) -> tuple[Vector, ...] | None:
     """Rescale a fleet's risks to a budget, every alternative as it is.
 
@@ -54,6 +59,8 @@ def repair(
         The plan of each.
     budget : float
         What the rows of all sets may risk together [-].
+    programs : AllocatedPrograms
+        Those of other budgets.
 
     Returns
     -------
@@ -64,13 +71,9 @@ def repair(
         return None
     points = [incumbent.z for incumbent in incumbents]
     is_free = [True] * len(points)
-    programs: dict[int, _AllocatedLp] = {}
     best, least = None, float("inf")
+    risks = [programs.risks(*each) for each in zip(problems, incumbents, points, strict=True)]
     for _ in range(_TUNED.repairs):
-        risks = [
-            p.program.event_risks(z, i.selection)
-            for p, z, i in zip(problems, points, incumbents, strict=True)
-        ]
         sums = np.array([r.sum() for r in risks])
         total = float(sums.sum())
         if total <= budget:
@@ -88,13 +91,11 @@ def repair(
             if not is_free[number] or sums[number] <= _LEAST * budget:
                 continue
             allocated = np.clip(risks[number] * scale, _LEAST * budget, CONVEX_RISK)
-            if number not in programs:
-                is_warm = len(programs) < _WARM
-                programs[number] = _AllocatedLp(problem, incumbent, is_warm=is_warm)
-            z = programs[number].point(allocated)
+            z = programs.of(problem, incumbent).point(allocated)
             # Some risks cannot shrink, such as those next to the start: leave the set as it is.
             is_free[number] = z is not None
-            points[number] = points[number] if z is None else z
+            if z is not None:
+                points[number], risks[number] = z, programs.risks(problem, incumbent, z)
     return best
 
 
@@ -137,6 +138,48 @@ def repriced(
     tree.resume(((-np.inf, near),), unit_price, incumbent)
     tree.run(1)
     return incumbent if tree.best is None else tree.best
+
+
+class AllocatedPrograms:
+    """The linear programs of plans whose risks are rescaled, from one budget to the next."""
+
+    def __init__(self) -> None:
+        self._kept: dict[Incumbent, _AllocatedLp] = {}
+        self._risks: dict[Incumbent, Vector] = {}
+        self._most = _WARM if is_compiled() else _WARM_BY_HIGHS
+
+    def of(self, problem: SetProblem, incumbent: Incumbent) -> _AllocatedLp:
+        """Return the program of a plan, with its alternatives held.
+
+        Parameters
+        ----------
+        problem : SetProblem
+            The set.
+        incumbent : Incumbent
+            Its plan.
+        """
+        if incumbent not in self._kept:
+            is_warm = len(self._kept) < self._most
+            self._kept[incumbent] = _AllocatedLp(problem, incumbent, is_warm=is_warm)
+        return self._kept[incumbent]
+
+    def risks(self, problem: SetProblem, incumbent: Incumbent, z: Vector) -> Vector:
+        """Return the risk of each event at a point, alternatives as in a plan, (e,) [-].
+
+        Parameters
+        ----------
+        problem : SetProblem
+            The set.
+        incumbent : Incumbent
+            The plan.
+        z : (n,) array
+            The point: most sets stay where the plan has them.
+        """
+        if z is not incumbent.z:
+            return problem.program.event_risks(z, incumbent.selection)
+        if incumbent not in self._risks:
+            self._risks[incumbent] = problem.program.event_risks(z, incumbent.selection)
+        return self._risks[incumbent]
 
 
 class _AllocatedLp:

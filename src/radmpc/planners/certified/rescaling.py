@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from radmpc.arrays import Vector
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.repair import repair, repriced
+from radmpc.planners.certified.repair import AllocatedPrograms, repair, repriced
 from radmpc.planners.certified.rounds import Round
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.solvers.priced.budget import OVER
@@ -15,7 +15,11 @@ _TUNED = TUNING.acceptance
 
 
 def rescaled(
-    fleet: Fleet, candidate: Round, budget: float, inter_set_risk: float
+    fleet: Fleet,
+    candidate: Round,
+    budget: float,
+    inter_set_risk: float,
+    programs: AllocatedPrograms,
 ) -> tuple[Vector, ...] | None:
     """Return a round's plan with its risks rescaled to a budget.
 
@@ -29,6 +33,8 @@ def rescaled(
         What its union bounds may sum to beyond the risk of the starts [-].
     inter_set_risk : float
         How much of it is reserved for risk between sets [-].
+    programs : AllocatedPrograms
+        Those of other budgets.
 
     Returns
     -------
@@ -41,7 +47,7 @@ def rescaled(
     if budget < candidate.risk <= (1.0 + 2.0 * OVER) * budget:
         # At its budget up to rounding: nothing to rescale.
         whole, budget = whole + candidate.risk - budget, candidate.risk
-    points = repair(problems, plans, budget)
+    points = repair(problems, plans, budget, programs)
     for factor in _TUNED.dearer:
         if points is not None:
             break
@@ -53,15 +59,14 @@ def rescaled(
             for p, plan in zip(problems, plans, strict=True)
         )
         if sum(plan.risk for plan in plans) <= budget:
-            points = repair(problems, plans, budget)
+            points = repair(problems, plans, budget, programs)
     raw = tuple(plan.z for plan in candidate.plans)
     fits = candidate.risk <= budget
     if points is None:
         return raw if fits else None
     points = _kept_apart(fleet, candidate, raw, points)
     risk = sum(
-        float(p.program.event_risks(z, i.selection).sum())
-        for p, z, i in zip(problems, points, plans, strict=True)
+        float(programs.risks(*each).sum()) for each in zip(problems, plans, points, strict=True)
     )
     risk += sum(fleet.programs.inter_set_risks(candidate.sets, points).values())
     return points if risk <= whole else raw if fits else None

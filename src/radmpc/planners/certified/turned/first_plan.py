@@ -18,6 +18,7 @@ from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.components import components
 from radmpc.program.hazards import Hazards
+from radmpc.solvers.compiled_code import is_compiled
 
 if TYPE_CHECKING:
     from radmpc.planners.certified.turned.visiting import GoodVisits
@@ -108,7 +109,8 @@ def _routes(task: Task, alone: Paths, stopped: np.ndarray, clearance: float) -> 
 
 def _is_short(task: Task) -> bool:
     """Whether there is little time per vehicle."""
-    return task.limits.seconds_left < TUNING.short * task.hazards.count
+    each = TUNING.short if is_compiled() else TUNING.short_by_highs
+    return task.limits.seconds_left < each * task.hazards.count
 
 
 def _paths_alone(task: Task, visits: GoodVisits | None) -> Paths | None:
