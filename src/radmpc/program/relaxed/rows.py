@@ -109,26 +109,35 @@ def _offered(is_within: Flags, parents: Indices) -> tuple[Flags, Indices]:
     is_narrow = np.ones(parents.size, dtype=bool)
     is_narrow[parents[parents >= 0]] = False
     is_offered = is_within & is_narrow
-    stands_for = np.zeros(is_within.shape, dtype=np.int64)
-    stands_for[is_offered] = 1
-    for cone in np.flatnonzero(parents >= 0).tolist():
-        # Every cone comes before the wider one that it is part of.
-        stands_for[:, parents[cone]] += stands_for[:, cone]
-    every = stands_for[:, parents < 0].sum(axis=1)
+    stands_for = is_offered.astype(np.int64)
+    levels = _levels(parents)
+    for cones in reversed(levels[1:]):
+        order = cones[parents[cones].argsort(kind="stable")]
+        outer, begins = np.unique(parents[order], return_index=True)
+        stands_for[:, outer] += np.add.reduceat(stands_for[:, order], begins, axis=1)
+    every = stands_for[:, levels[0]].sum(axis=1)[:, None]
     above = np.full(is_within.shape, -1)
-    for cone in range(parents.size - 1, -1, -1):
-        outer = np.full(len(every), parents[cone])
-        if parents[cone] >= 0:
-            is_kept = is_offered[:, parents[cone]]
-            outer = np.where(is_kept, outer, above[:, parents[cone]])
-        above[:, cone] = outer
-        if not is_narrow[cone]:
-            of_outer = np.where(outer >= 0, stands_for[np.arange(len(every)), outer], every)
-            count = stands_for[:, cone]
-            is_offered[:, cone] = is_within[:, cone] & (count > 1) & (count < of_outer)
+    for depth, cones in enumerate(levels):
+        if depth:
+            outer = parents[cones]
+            above[:, cones] = np.where(is_offered[:, outer], outer, above[:, outer])
+        wide = cones[~is_narrow[cones]]
+        if wide.size:
+            outer, count = above[:, wide], stands_for[:, wide]
+            of_outer = np.take_along_axis(stands_for, np.maximum(outer, 0), axis=1)
+            of_outer = np.where(outer >= 0, of_outer, every)
+            is_offered[:, wide] = is_within[:, wide] & (count > 1) & (count < of_outer)
     numbers = np.cumsum(is_offered.ravel()).reshape(is_offered.shape) - 1
     chosen = np.take_along_axis(numbers, np.maximum(above, 0), axis=1)
     return is_offered, np.where(above >= 0, chosen, -1)
+
+
+def _levels(parents: Indices) -> list[Indices]:
+    """Return the cones that are part of none, then those that are part of these, and so on."""
+    levels = [np.flatnonzero(parents < 0)]
+    while levels[-1].size:
+        levels.append(np.flatnonzero((parents >= 0) & np.isin(parents, levels[-1])))
+    return levels[:-1]
 
 
 def _entries(

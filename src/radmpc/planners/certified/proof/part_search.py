@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import field
 from itertools import combinations
 
 from radmpc.planners.certified.merging import Members
@@ -11,6 +12,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.program.build import point_of
+from radmpc.program.relaxed.cones import KnownCones
 from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
@@ -48,6 +50,7 @@ class _PartSearch:
     sets: dict[Members, RelaxedSet]
     nodes: int = 0
     surroundings: Surroundings | None = None
+    cones: KnownCones = field(default_factory=KnownCones)
 
     @property
     def _has_spent(self) -> bool:
@@ -150,7 +153,8 @@ class _PartSearch:
             scenario = self.surroundings.of(blocks)
         if part.tails is None:
             return RelaxedSet.by_faces(scenario, models, base, most)
-        return RelaxedSet.of(scenario, models, base, part.tails, self.order.num_directions, most)
+        asked = part.tails, self.order.num_directions, most, self.cones
+        return RelaxedSet.of(scenario, models, base, *asked)
 
     def _next_most(self, blocks: Members, proven: RelaxedSet) -> float | None:
         """Return the value up to which a set is searched next; None to go on as it is.

@@ -12,6 +12,7 @@ from radmpc.program.build import build_program
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.build import build_relaxation
+from radmpc.program.relaxed.cones import KnownCones
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
@@ -78,6 +79,7 @@ class RelaxedSet:
         tails: Tails,
         num_directions: int,
         most: float = float("inf"),
+        known: KnownCones | None = None,
     ) -> RelaxedSet:
         """Build a set's relaxation.
 
@@ -95,8 +97,10 @@ class RelaxedSet:
             Directions around every hazard.
         most : float
             Value up to which it is searched.
+        known : KnownCones or None
+            Those of other sets of the same vehicles.
         """
-        program = build_relaxation(scenario, models, tails, num_directions)
+        program = build_relaxation(scenario, models, tails, num_directions, known)
         return cls._of(scenario, program, base, most)
 
     @classmethod
