@@ -11,10 +11,12 @@ try:
     from radmpc.solvers import _compiled
 except ImportError:
     _compiled = None  # type: ignore[assignment]  # installed where there was no compiler
+if os.environ.get("RADMPC_COMPILED") == "none":
+    _compiled = None  # type: ignore[assignment]  # as above
 
 __all__ = ["is_compiled"]
 
 
 def is_compiled() -> bool:
     """Whether there is compiled code to use."""
-    return _compiled is not None and os.environ.get("RADMPC_COMPILED") != "none"
+    return _compiled is not None

@@ -67,8 +67,9 @@ def cone_rows(
     rows = np.arange(instant.size)
     entries = _entries(instants, instant, cones.normals[instant, cone], rows)
     steps = instants.windows[instant] + 1
-    events, firsts = np.unique(steps * instants.count + instant, return_inverse=True)
-    event_steps = events // max(instants.count, 1)
+    # Rows are in the order of instants.
+    begins = np.append(True, instant[1:] != instant[:-1])[: instant.size]
+    firsts, event_steps = np.cumsum(begins) - 1, steps[begins]
     if is_shared and instant.size:
         firsts, event_steps = np.zeros(instant.size, dtype=np.int64), steps[:1]
     return RowBlock(
@@ -113,8 +114,9 @@ def _offered(is_within: Flags, parents: Indices) -> tuple[Flags, Indices]:
     levels = _levels(parents)
     for cones in reversed(levels[1:]):
         order = cones[parents[cones].argsort(kind="stable")]
-        outer, begins = np.unique(parents[order], return_index=True)
-        stands_for[:, outer] += np.add.reduceat(stands_for[:, order], begins, axis=1)
+        outer = parents[order]
+        begins = np.flatnonzero(np.append(True, outer[1:] != outer[:-1]))
+        stands_for[:, outer[begins]] += np.add.reduceat(stands_for[:, order], begins, axis=1)
     every = stands_for[:, levels[0]].sum(axis=1)[:, None]
     above = np.full(is_within.shape, -1)
     for depth, cones in enumerate(levels):
@@ -134,10 +136,13 @@ def _offered(is_within: Flags, parents: Indices) -> tuple[Flags, Indices]:
 
 def _levels(parents: Indices) -> list[Indices]:
     """Return the cones that are part of none, then those that are part of these, and so on."""
-    levels = [np.flatnonzero(parents < 0)]
-    while levels[-1].size:
-        levels.append(np.flatnonzero((parents >= 0) & np.isin(parents, levels[-1])))
-    return levels[:-1]
+    depth = np.zeros(parents.size, dtype=np.int64)
+    outer = parents
+    while (is_part := outer >= 0).any():
+        depth += is_part
+        outer = np.where(is_part, parents[outer], -1)
+    order = depth.argsort(kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(depth[order])) + 1)
 
 
 def _entries(

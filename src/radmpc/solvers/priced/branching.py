@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
+from operator import itemgetter
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +19,8 @@ if is_compiled():
     from radmpc.solvers import _compiled
 
 __all__ = ["BranchingChoice"]
+
+_MISSED = itemgetter(0)
 
 _FACTORS = np.array([TUNING.second_weight, TUNING.missing_factor, TUNING.missing_length])
 """As compiled code takes them (`choose_avoidance`)."""
@@ -41,6 +45,8 @@ class BranchingChoice:
         self._parents: Indices = (
             np.full(program.num_alternatives, -1) if parents is None else parents
         )
+        # One number of an array costs more than one of a view.
+        self._owners, self._outer = self._owner.data, self._parents.data
         self._is_refined = np.zeros(program.num_alternatives, dtype=bool)
         self._is_refined[self._parents[self._parents >= 0]] = True
 
@@ -117,10 +123,11 @@ class BranchingChoice:
         rating : Rating
             Of the node's point.
         """
-        short = rating.short[avoidance]
-        order = [int(i) for i in short.argsort(kind="stable") if np.isfinite(short[i])]
-        proper = [int(self._table[avoidance, i]) for i in order]
-        outer = next((c for c in chosen if self._owner[c] == avoidance), -1)
+        pairs = zip(rating.short[avoidance].tolist(), self._table[avoidance].tolist(), strict=True)
+        # By what is missed alone: where two miss as much, the first stays first.
+        order = sorted(((miss, a) for miss, a in pairs if isfinite(miss)), key=_MISSED)
+        proper = [a for _, a in order]
+        outer = next((c for c in chosen if self._owners[c] == avoidance), -1)
         return tuple(dict.fromkeys(inner for p in proper for inner in self._step_to(p, outer)))
 
     def replaced(self, chosen: tuple[int, ...], alternative: int) -> tuple[int, ...]:
@@ -133,13 +140,13 @@ class BranchingChoice:
         alternative : int
             The one more.
         """
-        outer = int(self._parents[alternative])
+        outer = self._outer[alternative]
         return (*(c for c in chosen if c != outer), alternative)
 
     def _step_to(self, alternative: int, outer: int) -> tuple[int, ...]:
         """Return the next step from an alternative to one that it refines; none if not."""
-        while self._parents[alternative] != outer:
-            alternative = int(self._parents[alternative])
+        while self._outer[alternative] != outer:
+            alternative = self._outer[alternative]
             if alternative < 0:
                 return ()
         return (alternative,)
