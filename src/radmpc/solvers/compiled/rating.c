@@ -31,21 +31,23 @@ static double beta_fraction(double a, double b, double x) {
     return found;
 }
 
-static double incomplete_beta(double a, double b, double x) {
+double log_beta(double a, double b) { return lgamma(a) + lgamma(b) - lgamma(a + b); }
+
+static double incomplete_beta(double a, double b, double x, double log_whole) {
     if (x <= 0.0) return 0.0;
     if (x >= 1.0) return 1.0;
-    double front = exp(lgamma(a + b) - lgamma(a) - lgamma(b) + a * log(x) + b * log1p(-x));
+    double front = exp(a * log(x) + b * log1p(-x) - log_whole);
     if (x < (a + 1.0) / (a + b + 2.0)) return front * beta_fraction(a, b, x) / a;
     return 1.0 - front * beta_fraction(b, a, 1.0 - x) / b;
 }
 
 /* The probability that a standard normal deviate, or Student's t with so many degrees of freedom,
  * exceeds a clearance. */
-double tail_probability(double clearance, int samples) {
-    if (!samples) return 0.5 * erfc(clearance * 0.70710678118654752440);
+static double tail(const Ratings *ratings, double clearance) {
+    if (!ratings->samples) return 0.5 * erfc(clearance * 0.70710678118654752440);
     if (isinf(clearance)) return clearance > 0.0 ? 0.0 : 1.0;
-    double n = samples, share = n / (n + clearance * clearance);
-    double beyond = 0.5 * incomplete_beta(0.5 * n, 0.5, share);
+    double n = ratings->samples, share = n / (n + clearance * clearance);
+    double beyond = 0.5 * incomplete_beta(0.5 * n, 0.5, share, ratings->log_beta);
     return clearance >= 0.0 ? beyond : 1.0 - beyond;
 }
 
@@ -67,7 +69,7 @@ static double risk_of(const Ratings *ratings, const double *clearances, int alte
         double least = INFINITY;
         for (; row < last && ratings->events[ratings->rows[row]] == event; row++)
             least = fmin(least, clearances[ratings->rows[row]]);
-        risk += tail_probability(least, ratings->samples);
+        risk += tail(ratings, least);
     }
     return risk;
 }
@@ -100,7 +102,7 @@ static void add_up(Ratings *ratings, Rated *into) {
         }
     }
     for (int c = 0; c < count; c++) {
-        double risk = tail_probability(clearest[ratings->chosen[c]], ratings->samples);
+        double risk = tail(ratings, clearest[ratings->chosen[c]]);
         clearest[ratings->chosen[c]] = NAN;
         into->risk += risk;
         into->largest = fmax(into->largest, risk);
@@ -136,15 +138,18 @@ static void rate_avoidance(const Ratings *ratings, int avoidance, Rated *into) {
         least[a] = closest;
         if (first < 0 || closest > clearest) clearest = closest, first = a;
     }
+    int count = 0;
     if (first >= 0) {
         selected = alternatives[first];
         cheapest = risk_of(ratings, into->clearances, selected);
-        log_count = log(ratings->row_starts[selected + 1] - ratings->row_starts[selected]);
+        count = ratings->row_starts[selected + 1] - ratings->row_starts[selected];
+        log_count = log(count);
     }
-    for (int a = 0; a < ratings->width; a++) {
+    /* No other is cheaper than the clearest of all rows alone. */
+    for (int a = 0; count > 1 && a < ratings->width; a++) {
         if (a == first || isnan(least[a])) continue;
         if (!ratings->samples && is_worse(least[a], clearest, log_count)) continue;
-        if (tail_probability(least[a], ratings->samples) >= cheapest) continue;
+        if (tail(ratings, least[a]) >= cheapest) continue;
         double risk = risk_of(ratings, into->clearances, alternatives[a]);
         if (risk >= cheapest) continue;
         cheapest = risk;

@@ -10,6 +10,7 @@ typedef struct {
 typedef struct {
     int num_outputs, num_rows, num_alternatives, num_avoidances, width, num_events;
     int samples;               /* degrees of freedom of Student's t; 0: Gaussian */
+    double log_beta;           /* of half of them, and a half */
     Matrix outputs, normals;   /* outputs over the point, rows over the outputs */
     double *constant, *offsets, *inverse_deviations, *reference;
     int *table;                /* alternatives of each avoidance, `width` apart, -1 where none */
@@ -31,7 +32,7 @@ typedef struct {
 } Rated;
 
 void ratings_rate(Ratings *ratings, const double *z, Rated *into);
-double tail_probability(double clearance, int samples);
+double log_beta(double a, double b);
 
 /* The avoidance to branch on, -1 where none is left; whether it misses the reference. */
 int choose_avoidance(int count, int width, const double *shortfall, const double *cheapest, const char *is_decided,

@@ -58,6 +58,7 @@ static const char *fill(Ratings *r, const Arrays *arrays, int num_columns, int n
     r->num_avoidances = r->width ? (int)(arrays->sizes[TABLE] / r->width) : 0;
     r->num_events = num_events;
     r->samples = samples;
+    r->log_beta = samples ? log_beta(0.5 * samples, 0.5) : 0.0;
     r->is_distinct = num_events == r->num_rows && arrays->sizes[ROWS] == alternatives;
     for (Py_ssize_t a = 0; a < alternatives; a++) r->is_distinct &= starts[a + 1] == starts[a] + 1;
     r->constant = COPY(*arrays, CONSTANT, double);
