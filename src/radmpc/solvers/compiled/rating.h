@@ -3,8 +3,8 @@
 #define RADMPC_RATING_H
 
 typedef struct {
-    int *starts, *indices;
-    double *values;
+    const int *starts, *indices;
+    const double *values;
 } Matrix;
 
 typedef struct {
@@ -12,9 +12,9 @@ typedef struct {
     int samples;               /* degrees of freedom of Student's t; 0: Gaussian */
     double log_beta;           /* of half of them, and a half */
     Matrix outputs, normals;   /* outputs over the point, rows over the outputs */
-    double *constant, *offsets, *inverse_deviations, *reference;
-    int *table;                /* alternatives of each avoidance, `width` apart, -1 where none */
-    int *row_starts, *rows, *events;
+    const double *constant, *offsets, *inverse_deviations, *reference;
+    const int *table;                /* alternatives of each avoidance, `width` apart, -1 where none */
+    const int *row_starts, *rows, *events;
     double *at, *slacks;       /* outputs and rows of the last point */
     double *least;             /* clearances of the alternatives of one avoidance */
     int is_distinct;          /* one row per alternative and event: risks add up */

@@ -7,21 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What is rated never changes: its arrays are those of Python, held. */
 typedef struct {
     PyObject_HEAD
     Ratings ratings;
+    Arrays arrays;
 } RatingsObject;
 
 static Ratings *ratings_of(PyObject *self) { return &((RatingsObject *)self)->ratings; }
-
-/* Numbers of Python are copied: what is rated never changes. */
-static void *copy_of(const void *data, Py_ssize_t count, size_t size) {
-    void *copy = malloc((size_t)(count ? count : 1) * size);
-    if (copy) memcpy(copy, data, (size_t)count * size);
-    return copy;
-}
-
-#define COPY(arrays, i, type) copy_of(AT(arrays, i), (arrays).sizes[i], sizeof(type))
 
 static int is_sparse(const Arrays *arrays, int first, int columns, Matrix *matrix, int *rows) {
     const int *starts = AT(*arrays, first);
@@ -30,9 +23,9 @@ static int is_sparse(const Arrays *arrays, int first, int columns, Matrix *matri
     for (Py_ssize_t i = 0; i < count; i++)
         if (starts[i + 1] < starts[i]) return 0;
     if (!are_below(AT(*arrays, first + 1), entries, columns)) return 0;
-    matrix->starts = COPY(*arrays, first, int);
-    matrix->indices = COPY(*arrays, first + 1, int);
-    matrix->values = COPY(*arrays, first + 2, double);
+    matrix->starts = AT(*arrays, first);
+    matrix->indices = AT(*arrays, first + 1);
+    matrix->values = AT(*arrays, first + 2);
     *rows = (int)count;
     return 1;
 }
@@ -61,36 +54,26 @@ static const char *fill(Ratings *r, const Arrays *arrays, int num_columns, int n
     r->log_beta = samples ? log_beta(0.5 * samples, 0.5) : 0.0;
     r->is_distinct = num_events == r->num_rows && arrays->sizes[ROWS] == alternatives;
     for (Py_ssize_t a = 0; a < alternatives; a++) r->is_distinct &= starts[a + 1] == starts[a] + 1;
-    r->constant = COPY(*arrays, CONSTANT, double);
-    r->offsets = COPY(*arrays, OFFSETS, double);
-    r->inverse_deviations = COPY(*arrays, INVERSE, double);
-    r->reference = COPY(*arrays, REFERENCE, double);
-    r->table = COPY(*arrays, TABLE, int);
-    r->row_starts = COPY(*arrays, STARTS, int);
-    r->rows = COPY(*arrays, ROWS, int);
-    r->events = COPY(*arrays, EVENTS, int);
+    r->constant = AT(*arrays, CONSTANT);
+    r->offsets = AT(*arrays, OFFSETS);
+    r->inverse_deviations = AT(*arrays, INVERSE);
+    r->reference = AT(*arrays, REFERENCE);
+    r->table = AT(*arrays, TABLE);
+    r->row_starts = AT(*arrays, STARTS);
+    r->rows = AT(*arrays, ROWS);
+    r->events = AT(*arrays, EVENTS);
     r->at = calloc((size_t)r->num_outputs + 1, sizeof(double));
     r->slacks = calloc((size_t)r->num_rows + 1, sizeof(double));
     r->least = calloc((size_t)r->width + 1, sizeof(double));
     r->event_clearances = malloc(((size_t)num_events + 1) * sizeof(double));
     r->chosen = malloc(((size_t)num_events + 1) * sizeof(int));
-    if (!r->chosen || !r->event_clearances) return "no memory";
-    for (int e = 0; e < num_events; e++) r->event_clearances[e] = NAN;
-    return NULL;
+    for (int e = 0; r->event_clearances && e < num_events; e++) r->event_clearances[e] = NAN;
+    return r->at && r->slacks && r->least && r->event_clearances && r->chosen ? NULL : "no memory";
 }
 
 static void release(Ratings *r) {
-    void *all[] = {r->outputs.starts, r->outputs.indices, r->outputs.values, r->normals.starts,
-                   r->normals.indices, r->normals.values, r->constant, r->offsets, r->inverse_deviations,
-                   r->reference, r->table, r->row_starts, r->rows, r->events, r->at, r->slacks,
-                   r->least, r->event_clearances, r->chosen};
+    void *all[] = {r->at, r->slacks, r->least, r->event_clearances, r->chosen};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
-}
-
-static int are_all_there(const Ratings *r) {
-    return r->outputs.starts && r->outputs.indices && r->outputs.values && r->normals.starts &&
-           r->normals.indices && r->normals.values && r->constant && r->offsets && r->inverse_deviations &&
-           r->reference && r->table && r->row_starts && r->rows && r->events && r->at && r->slacks && r->least;
 }
 
 static PyObject *ratings_new(PyTypeObject *type, PyObject *args, PyObject *Py_UNUSED(named)) {
@@ -99,28 +82,28 @@ static PyObject *ratings_new(PyTypeObject *type, PyObject *args, PyObject *Py_UN
     if (!PyArg_ParseTuple(args, "OOOOOOOOOOOOOOiiii", &o[0], &o[1], &o[2], &o[3], &o[4], &o[5], &o[6], &o[7], &o[8],
                           &o[9], &o[10], &o[11], &o[12], &o[13], &num_columns, &width, &num_events, &samples))
         return NULL;
-    Arrays arrays;
-    if (!arrays_look(&arrays, objects, "iidiidddddiiii")) return NULL;
-    if (width < 0 || (width && arrays.sizes[TABLE] % width)) return arrays_refuse(&arrays, "a table of that width");
     allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
     PyObject *self = allocate(type, 0);
-    if (!self) {
-        arrays_release(&arrays);
+    if (!self) return NULL;
+    Arrays *arrays = &((RatingsObject *)self)->arrays;
+    if (!arrays_look(arrays, objects, "iidiidddddiiii")) {
+        Py_DECREF(self);
         return NULL;
     }
     ratings_of(self)->width = width;
-    const char *wrong = fill(ratings_of(self), &arrays, num_columns, num_events, samples);
-    if (wrong || !are_all_there(ratings_of(self))) {
-        Py_DECREF(self);
-        return wrong ? arrays_refuse(&arrays, wrong) : arrays_no_memory(&arrays);
-    }
-    arrays_release(&arrays);
-    return self;
+    const char *wrong = "a table of that width";
+    if (width >= 0 && !(width && arrays->sizes[TABLE] % width))
+        wrong = fill(ratings_of(self), arrays, num_columns, num_events, samples);
+    if (!wrong) return self;
+    Py_DECREF(self);
+    PyErr_SetString(PyExc_ValueError, wrong);
+    return NULL;
 }
 
 static void ratings_dealloc(PyObject *self) {
     PyTypeObject *type = Py_TYPE(self);
     release(ratings_of(self));
+    arrays_release(&((RatingsObject *)self)->arrays);
     freefunc let_go = (freefunc)PyType_GetSlot(type, Py_tp_free);
     let_go(self);
     Py_DECREF(type);

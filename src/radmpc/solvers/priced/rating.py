@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Vector
@@ -180,10 +181,10 @@ class Rater:
             rows.offsets,
             self._inverse,
             self._reference,
-            self.table.astype(np.int32),
-            program.alternative_starts.astype(np.int32),
-            program.alternative_rows.astype(np.int32),
-            rows.events.astype(np.int32),
+            _numbers(self.table),
+            _numbers(program.alternative_starts),
+            _numbers(program.alternative_rows),
+            _numbers(rows.events),
             program.num_columns,
             self.table.shape[1],
             rows.risk_items.size,
@@ -214,4 +215,9 @@ class Rater:
 
 def _parts(matrix: csr_array) -> tuple[Numbers, Numbers, Vector]:
     """Return a sparse matrix as compiled code takes it."""
-    return matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32), matrix.data
+    return _numbers(matrix.indptr), _numbers(matrix.indices), matrix.data
+
+
+def _numbers(values: npt.NDArray[np.signedinteger]) -> Numbers:
+    """Return an array as compiled code takes it: itself, if it is so."""
+    return np.ascontiguousarray(values, dtype=np.int32)
