@@ -16,7 +16,7 @@ from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.program.relaxed.cones import Cones, KnownCones, Outline
+from radmpc.program.relaxed.cones import Cones, Outline, SharedCones
 from radmpc.program.relaxed.cones_in_space import cones_in_space
 from radmpc.program.relaxed.instants import Instants
 from radmpc.program.relaxed.patches import Patches, around_point, around_polytope
@@ -39,7 +39,7 @@ def build_relaxation(
     models: Sequence[CondensedModel],
     tails: Tails,
     num_directions: int,
-    known: KnownCones | None = None,
+    shared: SharedCones | None = None,
 ) -> DisjunctiveProgram:
     """Build the relaxation of some vehicles, obstacles and pairs among them included.
 
@@ -53,7 +53,7 @@ def build_relaxation(
         What charges are at least, for the same Δ.
     num_directions : int
         Directions around every hazard in the plane beside the faces of obstacles; 3 at least.
-    known : KnownCones or None
+    shared : SharedCones or None
         Those of other sets of the same vehicles, for the same tails.
 
     Returns
@@ -61,8 +61,8 @@ def build_relaxation(
     DisjunctiveProgram
         No plan that the referee would certify has a lower cost than its optimum within Δ.
     """
-    known = KnownCones() if known is None else known
-    return _Relaxation(scenario, tuple(models), tails, num_directions, known).program()
+    shared = SharedCones() if shared is None else shared
+    return _Relaxation(scenario, tuple(models), tails, num_directions, shared).program()
 
 
 @dataclass(slots=True, eq=False)
@@ -73,7 +73,7 @@ class _Relaxation:
     models: tuple[CondensedModel, ...]
     tails: Tails
     num_directions: int
-    known: KnownCones
+    shared: SharedCones
     builder: ProgramBuilder = field(init=False)
     instants: tuple[Instants, ...] = field(init=False)
 
@@ -147,7 +147,7 @@ class _Relaxation:
         angles = (2.0 * np.arange(count) + 1.0) * np.pi / count
         directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         every = np.broadcast_to(directions, (instants.count, *directions.shape))
-        cones = self.known.around(outline, instants.covariances, self.tails, every)
+        cones = self.shared.around(outline, instants.covariances, self.tails, every)
         self._add(instants, cones, *label)
 
     def _add(

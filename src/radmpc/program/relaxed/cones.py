@@ -10,7 +10,7 @@ from radmpc.program.relaxed.normals import chosen_normals, roots_of
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass
 
-__all__ = ["Cones", "KnownCones", "Outline", "cones_around"]
+__all__ = ["Cones", "Outline", "SharedCones", "cones_around"]
 
 _SAME = 1e-9
 """Length below which two points of a level curve are one [m]."""
@@ -142,11 +142,11 @@ def cones_around(outline: Outline, covariances: Tensor, tails: Tails, directions
     )
 
 
-class KnownCones:
+class SharedCones:
     """Cones that were asked for: a vehicle's are the same alone, in pairs and in larger sets."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[bytes, bytes, float, int], Cones] = {}
+        self._cones: dict[tuple[bytes, bytes, float, int], Cones] = {}
 
     def around(
         self, outline: Outline, covariances: Tensor, tails: Tails, directions: Tensor
@@ -162,9 +162,9 @@ class KnownCones:
         """
         size = directions.shape[1]
         key = (outline.vertices.tobytes(), covariances.tobytes(), outline.radius, size)
-        if key not in self._known:
-            self._known[key] = cones_around(outline, covariances, tails, directions)
-        return self._known[key]
+        if key not in self._cones:
+            self._cones[key] = cones_around(outline, covariances, tails, directions)
+        return self._cones[key]
 
 
 def _level_curve(

@@ -12,7 +12,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.program.build import point_of
-from radmpc.program.relaxed.cones import KnownCones
+from radmpc.program.relaxed.cones import SharedCones
 from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
@@ -50,7 +50,7 @@ class _PartSearch:
     sets: dict[Members, RelaxedSet]
     nodes: int = 0
     surroundings: Surroundings | None = None
-    cones: KnownCones = field(default_factory=KnownCones)
+    cones: SharedCones = field(default_factory=SharedCones)
 
     @property
     def _has_spent(self) -> bool:

@@ -12,7 +12,7 @@ from radmpc.program.build import build_program
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.build import build_relaxation
-from radmpc.program.relaxed.cones import KnownCones
+from radmpc.program.relaxed.cones import SharedCones
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
@@ -79,7 +79,7 @@ class RelaxedSet:
         tails: Tails,
         num_directions: int,
         most: float = float("inf"),
-        known: KnownCones | None = None,
+        shared: SharedCones | None = None,
     ) -> RelaxedSet:
         """Build a set's relaxation.
 
@@ -97,10 +97,10 @@ class RelaxedSet:
             Directions around every hazard.
         most : float
             Value up to which it is searched.
-        known : KnownCones or None
+        shared : SharedCones or None
             Those of other sets of the same vehicles.
         """
-        program = build_relaxation(scenario, models, tails, num_directions, known)
+        program = build_relaxation(scenario, models, tails, num_directions, shared)
         return cls._of(scenario, program, base, most)
 
     @classmethod
