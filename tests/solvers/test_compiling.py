@@ -39,6 +39,13 @@ class Checkout:
         return data
 
 
+@pytest.fixture(autouse=True)
+def wish(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the tests run with, installs are asked for nothing."""
+    monkeypatch.delenv("RADMPC_COMPILED", raising=False)
+    monkeypatch.delenv("CC", raising=False)
+
+
 @pytest.fixture
 def checkout(tmp_path: Path) -> Checkout:
     return Checkout(tmp_path, "int answer(void) { return 42; }\n")
