@@ -12,7 +12,14 @@ if TYPE_CHECKING:
     # Who meets nobody needs no relaxation.
     from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 
-__all__ = ["Proven", "bound_together", "bounds_within", "parts_of", "proven_within"]
+__all__ = [
+    "PartBounds",
+    "Proven",
+    "bound_together",
+    "bounds_within",
+    "parts_of",
+    "proven_within",
+]
 
 Proven = Mapping[Members, Mapping[Members, "RelaxedSet"]]
 """What is known of parts of a fleet, by the vehicles' places in each."""
@@ -102,3 +109,34 @@ def bound_together(
             total += gains[places]
             left.difference_update(places)
     return max(total, whole)
+
+
+class PartBounds:
+    """The bounds of parts, each computed once for what is proven of it: a fleet has hundreds."""
+
+    def __init__(self) -> None:
+        self._latest: dict[Members, tuple[Mapping[Members, RelaxedSet], float, float]] = {}
+
+    def of(
+        self,
+        members: Members,
+        sets: Mapping[Members, RelaxedSet],
+        base: Sequence[float],
+        price: float,
+    ) -> float:
+        """Return `bound_together` of a part.
+
+        Parameters
+        ----------
+        members : tuple of int
+            The part.
+        sets, price
+            As there.
+        base : sequence of float
+            What every vehicle of the fleet costs at least in empty space, the same in all calls.
+        """
+        latest = self._latest.get(members)
+        if latest is None or latest[0] is not sets or latest[1] != price:
+            bound = bound_together(sets, [base[i] for i in members], price)
+            latest = self._latest[members] = sets, price, bound
+        return latest[2]

@@ -10,8 +10,8 @@ from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.proof.grouping import (
+    PartBounds,
     Proven,
-    bound_together,
     bounds_within,
     parts_of,
     proven_within,
@@ -38,6 +38,9 @@ from radmpc.solvers.solution import relative_gap
 __all__ = ["BoundSearch"]
 
 _LOG = logging.getLogger(__name__)
+
+_NOTHING: Mapping[Members, RelaxedSet] = {}
+"""What is known of a part before it was searched."""
 
 
 @dataclass(slots=True, eq=False)
@@ -86,6 +89,7 @@ class BoundSearch:
     parts: dict[Members, Part] = field(default_factory=dict)
     proven: dict[Members, Mapping[Members, RelaxedSet]] = field(default_factory=dict)
     order: tuple[Members, ...] = field(init=False)
+    _bounds: PartBounds = field(init=False, default_factory=PartBounds)
 
     def __post_init__(self) -> None:
         """Tabulate the tails, and choose the parts."""
@@ -176,8 +180,8 @@ class BoundSearch:
 
     def _bound_of(self, members: Members) -> float:
         """Return the bound of a part at the present price."""
-        base = [self.fleet.base[i] for i in members]
-        return bound_together(self.proven.get(members, {}), base, self.price)
+        sets = self.proven.get(members, _NOTHING)
+        return self._bounds.of(members, sets, self.fleet.base, self.price)
 
     def _paid_for_hazards(self, members: Members) -> float:
         """Return what a set's plan costs beyond the least in empty space."""
@@ -279,8 +283,7 @@ class BoundSearch:
 
     def _bound_here(self) -> float:
         """Return the bound at the present price."""
-        base = self.fleet.base
-        total = sum((self._bound_of(m) - sum(base[i] for i in m) for m in self.order), sum(base))
+        total = sum(map(self._bound_of, self.order))
         # What the starts risk is no choice of a plan's, and no part of what faces are charged.
         spent = self.fleet.initial if self.is_by_faces else 0.0
         return total - self.price * (self.fleet.scenario.risk_bound - spent)
