@@ -98,4 +98,4 @@ def test_the_same_avoidance_is_branched_on(scene: str, has_plan: bool) -> None:
 def test_a_rater_is_sent_to_others_without_what_was_compiled() -> None:
     rater = rater_of(paper(2, 0))
     rater.rate(np.zeros(rater.program.num_columns))
-    assert not {"_compiled", "tangents"} & set(rater.__getstate__())
+    assert not {"compiled", "tangents"} & set(rater.__getstate__())

@@ -27,10 +27,9 @@ def program_of(seed: int) -> DisjunctiveProgram:
     return build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
 
 
-def first_sides(program: DisjunctiveProgram, count: int) -> list[list[int]]:
-    """Return the rows of the first alternative of some avoidances."""
-    starts = program.avoidance_starts[:count]
-    return [program.rows_of(int(start)).tolist() for start in starts]
+def first_sides(program: DisjunctiveProgram, count: int) -> tuple[int, ...]:
+    """Return the first alternatives of some avoidances."""
+    return tuple(program.avoidance_starts[:count].tolist())
 
 
 def test_a_tangent_touches_the_tail_and_is_nowhere_above_it() -> None:
@@ -60,18 +59,17 @@ def test_the_rows_of_a_tangent_say_what_the_tangent_says() -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_linear_programs_that_share_tangents_do_not_disturb_each_other(seed: int) -> None:
     program = program_of(seed)
-    shared = RowTangents(program, UNIT)
+    shared = Rater(program, UNIT)
     sides = first_sides(program, 3)
-    one, other = (RiskLp(program, UNIT, PRICE, tangents=shared) for _ in range(2))
+    one, other = (RiskLp(program, UNIT, PRICE, rater=shared) for _ in range(2))
     # The same rows in another order: their risks are other columns there.
-    for rows in sides:
-        one.activate(rows)
-    for rows in reversed(sides):
-        other.activate(rows)
-    every = [row for rows in sides for row in rows]
+    for side in sides:
+        one.activate((side,))
+    for side in reversed(sides):
+        other.activate((side,))
     found = []
     for lp in (one, other, RiskLp(program, UNIT, PRICE)):
-        lp.activate(every)
+        lp.activate(sides)
         outcome, bound = lp.solve()
         found.append(bound if outcome is LpOutcome.OPTIMAL else outcome)
     assert found[0] == pytest.approx(found[2], abs=1e-7)

@@ -129,10 +129,10 @@ def test_begun_where_it_ended_nothing_is_left_to_do(seed: int) -> None:
     copy.lp.solve()
     copy.lp.change_cost(cost)
     copy.lp.begin_with(basis)
-    before = copy.lp._program.pivots
+    before = copy.lp.compiled.pivots
     assert copy.lp.solve() == (outcome, pytest.approx(bound, abs=1e-9))
     if outcome is LpOutcome.OPTIMAL:
-        assert copy.lp._program.pivots <= before + 2  # columns without cost are anywhere
+        assert copy.lp.compiled.pivots <= before + 2  # columns without cost are anywhere
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -1,4 +1,4 @@
-"""What is in ``compiled/``: a dual simplex method, and rating."""
+"""What is in ``compiled/``: a dual simplex method, rating, and chance rows."""
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +12,10 @@ class Program:
     ) -> Program: ...
     @property
     def pivots(self) -> int: ...
+    @property
+    def num_rows(self) -> int: ...
+    @property
+    def num_columns(self) -> int: ...
     def add_rows(
         self, starts: Numbers, columns: Numbers, values: Matrix, lower: Vector, upper: Vector, /
     ) -> None: ...
@@ -57,6 +61,32 @@ class Ratings:
         short: Matrix,
         /,
     ) -> tuple[float, float]: ...
+
+class RiskRows:
+    def __new__(
+        cls,
+        program: Program,
+        ratings: Ratings,
+        deviations: Vector,
+        blocks: Numbers,
+        bound_rows: Numbers,
+        has_block: npt.NDArray[np.bool_],
+        first_clearances: Vector,
+        first_slopes: Vector,
+        first_heights: Vector,
+        budget_row: int,
+        unit: float,
+        price: float,
+        row_scale: float,
+        row_cap: float,
+        floor: float,
+        flat: float,
+        /,
+    ) -> RiskRows: ...
+    def activate(
+        self, alternatives: tuple[int, ...], crowd: int, crowd_each: int, /
+    ) -> bool: ...
+    def refine(self, clearances: Vector, point: Vector, tolerance: float, /) -> bool: ...
 
 def choose_avoidance(
     short: Matrix,

@@ -1,6 +1,5 @@
 /* The linear program as a Python type. Arrays are contiguous, of float64 and int32. */
 #include "arrays.h"
-#include "lp.h"
 #include "modules.h"
 
 #include <string.h>
@@ -205,7 +204,17 @@ static PyMethodDef methods[] = {
     {NULL, NULL, 0, NULL},
 };
 
+static PyObject *get_num_rows(PyObject *self, void *Py_UNUSED(nothing)) {
+    return PyLong_FromLong(program_of(self)->num_rows);
+}
+
+static PyObject *get_num_columns(PyObject *self, void *Py_UNUSED(nothing)) {
+    return PyLong_FromLong(program_of(self)->num_columns);
+}
+
 static PyGetSetDef fields[] = {
+    {"num_rows", get_num_rows, NULL, "Rows now.", NULL},
+    {"num_columns", get_num_columns, NULL, "Columns now.", NULL},
     {"pivots", get_pivots, NULL, "Exchanges of the basis in all solves so far.", NULL},
     {NULL, NULL, NULL, NULL, NULL},
 };
@@ -222,5 +231,11 @@ static PyType_Slot slots[] = {
 static PyType_Spec spec = {
     "radmpc.solvers._compiled.Program", sizeof(Program), 0, Py_TPFLAGS_DEFAULT, slots,
 };
+
+Lp *program_in(PyObject *object) {
+    if (PyType_GetSlot(Py_TYPE(object), Py_tp_dealloc) == (void *)program_dealloc) return program_of(object);
+    PyErr_SetString(PyExc_TypeError, "expected a Program");
+    return NULL;
+}
 
 PyObject *program_type(void) { return PyType_FromSpec(&spec); }

@@ -9,7 +9,10 @@ static int add_type(PyObject *module, const char *name, PyObject *type) {
 }
 
 static int begin_module(PyObject *module) {
-    return add_type(module, "Program", program_type()) || add_type(module, "Ratings", ratings_type()) ? -1 : 0;
+    return add_type(module, "Program", program_type()) || add_type(module, "Ratings", ratings_type()) ||
+                   add_type(module, "RiskRows", risk_rows_type())
+               ? -1
+               : 0;
 }
 
 static PyModuleDef_Slot module_slots[] = {{Py_mod_exec, begin_module}, {0, NULL}};

@@ -43,12 +43,18 @@ static double incomplete_beta(double a, double b, double x, double log_whole) {
 
 /* The probability that a standard normal deviate, or Student's t with so many degrees of freedom,
  * exceeds a clearance. */
-static double tail(const Ratings *ratings, double clearance) {
+double tail_probability(const Ratings *ratings, double clearance) {
     if (!ratings->samples) return 0.5 * erfc(clearance * 0.70710678118654752440);
     if (isinf(clearance)) return clearance > 0.0 ? 0.0 : 1.0;
     double n = ratings->samples, share = n / (n + clearance * clearance);
     double beyond = 0.5 * incomplete_beta(0.5 * n, 0.5, share, ratings->log_beta);
     return clearance >= 0.0 ? beyond : 1.0 - beyond;
+}
+
+double tail_density(const Ratings *ratings, double clearance) {
+    if (!ratings->samples) return exp(-0.5 * clearance * clearance) * 0.39894228040143267794;
+    double n = ratings->samples;
+    return exp(-0.5 * (n + 1.0) * log1p(clearance * clearance / n) - ratings->log_beta) / sqrt(n);
 }
 
 static void multiply(const Matrix *matrix, int count, const double *by, double *into) {
@@ -69,7 +75,7 @@ static double risk_of(const Ratings *ratings, const double *clearances, int alte
         double least = INFINITY;
         for (; row < last && ratings->events[ratings->rows[row]] == event; row++)
             least = fmin(least, clearances[ratings->rows[row]]);
-        risk += tail(ratings, least);
+        risk += tail_probability(ratings, least);
     }
     return risk;
 }
@@ -102,7 +108,7 @@ static void add_up(Ratings *ratings, Rated *into) {
         }
     }
     for (int c = 0; c < count; c++) {
-        double risk = tail(ratings, clearest[ratings->chosen[c]]);
+        double risk = tail_probability(ratings, clearest[ratings->chosen[c]]);
         clearest[ratings->chosen[c]] = NAN;
         into->risk += risk;
         into->largest = fmax(into->largest, risk);
@@ -149,7 +155,7 @@ static void rate_avoidance(const Ratings *ratings, int avoidance, Rated *into) {
     for (int a = 0; count > 1 && a < ratings->width; a++) {
         if (a == first || isnan(least[a])) continue;
         if (!ratings->samples && is_worse(least[a], clearest, log_count)) continue;
-        if (tail(ratings, least[a]) >= cheapest) continue;
+        if (tail_probability(ratings, least[a]) >= cheapest) continue;
         double risk = risk_of(ratings, into->clearances, alternatives[a]);
         if (risk >= cheapest) continue;
         cheapest = risk;

@@ -34,6 +34,10 @@ typedef struct {
 void ratings_rate(Ratings *ratings, const double *z, Rated *into);
 double log_beta(double a, double b);
 
+/* The probability that a deviation exceeds a clearance, and its density there. */
+double tail_probability(const Ratings *ratings, double clearance);
+double tail_density(const Ratings *ratings, double clearance);
+
 /* The avoidance to branch on, -1 where none is left; whether it misses the reference. */
 int choose_avoidance(int count, int width, const double *shortfall, const double *cheapest, const char *is_decided,
                      const double *weights, int by_weight, const double *factors, int *is_blunt);

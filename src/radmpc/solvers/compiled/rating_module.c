@@ -1,7 +1,6 @@
 /* Rating as a Python type, and the choice of an avoidance as a function. */
 #include "arrays.h"
 #include "modules.h"
-#include "rating.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -167,5 +166,11 @@ PyMethodDef rating_functions[] = {
      "Choose where to branch: shortfall, cheapest, decided, weights, factors, by weight."},
     {NULL, NULL, 0, NULL},
 };
+
+Ratings *ratings_in(PyObject *object) {
+    if (PyType_GetSlot(Py_TYPE(object), Py_tp_dealloc) == (void *)ratings_dealloc) return ratings_of(object);
+    PyErr_SetString(PyExc_TypeError, "expected Ratings");
+    return NULL;
+}
 
 PyObject *ratings_type(void) { return PyType_FromSpec(&spec); }

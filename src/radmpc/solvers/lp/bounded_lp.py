@@ -16,23 +16,24 @@ __all__ = ["BoundedLp", "floats"]
 class BoundedLp(ABC):
     """Columns and rows in the order they were added; minimized from where the last solve ended.
 
-    Parameters
-    ----------
-    num_columns : int
-        Columns that it begins with.
-
     Attributes
     ----------
     solves : int
         Times that a solver was asked.
-    num_columns, num_rows : int
-        Columns and rows now.
     """
 
-    def __init__(self, num_columns: int) -> None:
+    def __init__(self) -> None:
         self.solves = 0
-        self.num_columns = num_columns
-        self.num_rows = 0
+
+    @property
+    @abstractmethod
+    def num_columns(self) -> int:
+        """Columns now."""
+
+    @property
+    @abstractmethod
+    def num_rows(self) -> int:
+        """Rows now."""
 
     def add_rows(self, matrix: csr_array, lower: Vector, upper: Vector) -> int:
         """Append rows; return the number of the first.
@@ -83,9 +84,8 @@ class BoundedLp(ABC):
         self, starts: Numbers, columns: Numbers, values: Matrix, lower: Vector, upper: Vector
     ) -> int:
         """Append rows; row i has the entries from ``starts[i]`` to ``starts[i + 1]``."""
-        self._append_rows(starts, columns, values, lower, upper)
         first = self.num_rows
-        self.num_rows += lower.size
+        self._append_rows(starts, columns, values, lower, upper)
         return first
 
     def add_column(
@@ -103,7 +103,6 @@ class BoundedLp(ABC):
             Its coefficients.
         """
         self._append_column(cost, upper, rows, values)
-        self.num_columns += 1
         return self.num_columns - 1
 
     def bound_rows(self, rows: list[int], lower: Vector, upper: Vector) -> None:

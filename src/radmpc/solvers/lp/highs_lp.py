@@ -72,7 +72,8 @@ class HighsLp(BoundedLp):
     """
 
     def __init__(self, cost: Vector, lower: Vector, upper: Vector) -> None:
-        super().__init__(int(cost.size))
+        super().__init__()
+        self._num_columns, self._num_rows = int(cost.size), 0
         self._cutoff = float("inf")
         self._record = LpRecord(cost, lower, upper)
         self._point = np.zeros(0)
@@ -85,16 +86,28 @@ class HighsLp(BoundedLp):
             )
         )
 
+    @property
+    def num_columns(self) -> int:
+        """Columns now."""
+        return self._num_columns
+
+    @property
+    def num_rows(self) -> int:
+        """Rows now."""
+        return self._num_rows
+
     def _append_rows(
         self, starts: Numbers, columns: Numbers, values: Matrix, lower: Vector, upper: Vector
     ) -> None:
         flat = columns.ravel(), values.ravel()
         checked(self._highs.addRows(lower.size, lower, upper, values.size, starts[:-1], *flat))
         self._record.add_rows(starts, *flat, lower, upper)
+        self._num_rows += lower.size
 
     def _append_column(self, cost: float, upper: float, rows: Numbers, values: Vector) -> None:
         checked(self._highs.addCol(cost, 0.0, upper, len(rows), rows, values))
         self._record.add_column(cost, upper, rows, values)
+        self._num_columns += 1
 
     def _bound_rows(self, rows: Numbers, lower: Vector, upper: Vector) -> None:
         checked(self._highs.changeRowsBounds(rows.size, rows, lower, upper))

@@ -30,13 +30,28 @@ class SimplexLp(BoundedLp):
     ----------
     cost, lower, upper : (n,) array
         Of the first columns; an infinite bound leaves nothing to be proven.
+
+    Attributes
+    ----------
+    compiled : Program
+        The program itself; what is added to it there counts here.
     """
 
     def __init__(self, cost: Vector, lower: Vector, upper: Vector) -> None:
-        super().__init__(int(cost.size))
+        super().__init__()
         columns = floats(cost), floats(lower), floats(upper)
-        self._program = _compiled.Program(*columns, _FEASIBILITY_TOL)
+        self.compiled = _compiled.Program(*columns, _FEASIBILITY_TOL)
         self._point: Vector | None = None
+
+    @property
+    def num_columns(self) -> int:
+        """Columns now."""
+        return self.compiled.num_columns
+
+    @property
+    def num_rows(self) -> int:
+        """Rows now."""
+        return self.compiled.num_rows
 
     def solve(self, cutoff: float = float("inf")) -> tuple[LpOutcome, float]:
         """Minimize, see `BoundedLp.solve`.
@@ -49,7 +64,7 @@ class SimplexLp(BoundedLp):
         self.solves += 1
         self._point = None
         most = _LEAST_PIVOTS + _PIVOTS * (self.num_rows + self.num_columns)
-        number, bound = self._program.solve(cutoff, most)
+        number, bound = self.compiled.solve(cutoff, most)
         outcome = _OUTCOMES[number]
         return self._by_highs(cutoff) if outcome is LpOutcome.FAILED else (outcome, bound)
 
@@ -57,7 +72,7 @@ class SimplexLp(BoundedLp):
         """Solve a copy by HiGHS."""
         from radmpc.solvers.lp.highs_lp import HighsLp  # noqa: PLC0415 - few need it
 
-        parts = self._program.contents()
+        parts = self.compiled.contents()
         starts, columns = (np.frombuffer(part, dtype=np.int32) for part in parts[3:5])
         cost, lower, upper, values, row_lower, row_upper = (
             np.frombuffer(part) for part in (*parts[:3], *parts[5:])
@@ -75,12 +90,12 @@ class SimplexLp(BoundedLp):
         """Return the columns of the last optimal solve."""
         if self._point is None:
             self._point = np.empty(self.num_columns)
-            self._program.point(self._point)
+            self.compiled.point(self._point)
         return self._point
 
     def basis(self) -> bytes:
         """Return where the last solve ended."""
-        return self._program.basis()
+        return self.compiled.basis()
 
     def begin_with(self, basis: bytes) -> None:
         """Begin the next solve where another one ended; if that is empty, where the last one did.
@@ -91,18 +106,18 @@ class SimplexLp(BoundedLp):
             From `basis` of this program.
         """
         if basis:
-            self._program.begin_with(basis)
+            self.compiled.begin_with(basis)
 
     def _append_rows(
         self, starts: Numbers, columns: Numbers, values: Matrix, lower: Vector, upper: Vector
     ) -> None:
-        self._program.add_rows(starts, columns, values, lower, upper)
+        self.compiled.add_rows(starts, columns, values, lower, upper)
 
     def _append_column(self, cost: float, upper: float, rows: Numbers, values: Vector) -> None:
-        self._program.add_column(cost, upper, rows, values)
+        self.compiled.add_column(cost, upper, rows, values)
 
     def _bound_rows(self, rows: Numbers, lower: Vector, upper: Vector) -> None:
-        self._program.bound_rows(rows, lower, upper)
+        self.compiled.bound_rows(rows, lower, upper)
 
     def _change_cost(self, cost: Vector) -> None:
-        self._program.change_cost(cost)
+        self.compiled.change_cost(cost)

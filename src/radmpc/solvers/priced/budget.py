@@ -7,10 +7,6 @@ unit, which the linear programs keep anyway, and the price only breaks ties.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import numpy as np
-
 from radmpc.arrays import Vector
 from radmpc.solvers.priced.rating import Rating
 from radmpc.solvers.priced.tree import RiskTree
@@ -35,16 +31,9 @@ class BudgetTree(RiskTree):
         """Return a point's value; inf beyond the budget."""
         return float("inf") if rating.risk > (1.0 + OVER) * self.unit else super()._worth(z, rating)
 
-    def _refine(
-        self, chosen: Sequence[int], point: Vector, rating: Rating, tolerance: float
-    ) -> bool:
+    def _refine(self, point: Vector, rating: Rating, tolerance: float) -> bool:
         """Add tangents where a point within the budget by them is beyond it in truth."""
-        if super()._refine(chosen, point, rating, tolerance):
+        if super()._refine(point, rating, tolerance):
             return True
-        rows = self._tangents.noisy_rows(chosen)
-        if rows.size == 0 or rating.risk <= (1.0 + OVER) * self.unit:
-            return False
-        missing = np.maximum(rating.risks(rows) - self.lp.allocated(rows, point), 0.0) / self.unit
-        if missing.sum() <= _MISSING:
-            return False
-        return self._tangents.add(self.lp, rows[missing > _MISSING / (4.0 * rows.size)], rating)
+        is_beyond = rating.risk > (1.0 + OVER) * self.unit
+        return is_beyond and self.lp.refine(rating, point, _MISSING)

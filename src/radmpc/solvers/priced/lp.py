@@ -12,18 +12,23 @@ q >= 0 without a row of its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
 
-from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass
+from radmpc.solvers.compiled_code import is_compiled
 from radmpc.solvers.lp.choosing import bounded_lp
-from radmpc.solvers.lp.outcome import LpOutcome, Numbers
-from radmpc.solvers.priced.row_tangents import RowTangents, Touching
-from radmpc.solvers.priced.tuning import TUNING
+from radmpc.solvers.lp.outcome import LpOutcome
+from radmpc.solvers.priced.numpy_risk_rows import NumpyRiskRows
+from radmpc.solvers.priced.rating import Rater, Rating
+from radmpc.solvers.priced.risk_rows import RiskRows, Surroundings
+
+if is_compiled():
+    from radmpc.solvers.priced.compiled_risk_rows import CompiledRiskRows
 
 __all__ = ["Basis", "RiskLp", "SetBound"]
 
@@ -34,11 +39,6 @@ _INF = float("inf")
 _DEAR = 1e6
 """Price from which rows with prices in them are scaled down [cost]: HiGHS refuses entries of
 1e15."""
-
-_APART = 1e-4
-"""Least distance of two tangents of a row [standard deviations]: closer ones are nearly
-parallel."""
-
 
 @dataclass(frozen=True, slots=True)
 class SetBound:
@@ -56,15 +56,6 @@ class SetBound:
     value: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Row:
-    """A chance row in the linear program: its rows there, their right sides, their tangents."""
-
-    numbers: list[int]
-    lowers: list[float]
-    clearances: list[float]
-
-
 class RiskLp:
     """The program's hard rows, the chance rows seen so far, and their risk columns.
 
@@ -79,8 +70,17 @@ class RiskLp:
         Cost of one unit of risk: the Lagrange multiplier of the risk bound.
     bounds : sequence of SetBound
         Proven lower bounds of parts, at this price.
-    tangents : RowTangents or None
-        The tangents of the program's rows for this unit, if at hand.
+    rater : Rater or None
+        The program laid out for rating, if at hand; one made for another unit is not used.
+
+    Attributes
+    ----------
+    row_cap : float
+        Most that one row may risk.
+    floor : float
+        The clearance that this leaves [standard deviations].
+    dropped_solves : int
+        Linear programs solved before rows were dropped.
     """
 
     def __init__(
@@ -89,13 +89,16 @@ class RiskLp:
         unit: float,
         price: float,
         bounds: Sequence[SetBound] = (),
-        tangents: RowTangents | None = None,
+        rater: Rater | None = None,
     ) -> None:
         self.program = program
         self.unit = unit
         self.price = price
-        self._tangents = RowTangents(program, unit) if tangents is None else tangents
-        self.row_cap, self.floor = self._tangents.row_cap, self._tangents.floor
+        # A rater made for another unit or program has other tangents.
+        is_same = rater is not None and rater.unit == unit and rater.program.rows is program.rows
+        self._rater = rater if rater is not None and is_same else Rater(program, unit)
+        self.row_cap = self._rater.row_cap
+        self.floor = self._rater.tangents.floor
         self._row_scale = 1.0 if price <= _DEAR else _DEAR / price
         self.dropped_solves = 0
         self._starts = 0
@@ -111,14 +114,20 @@ class RiskLp:
         """Load columns, hard rows and proven bounds; no chance row yet."""
         program = self.program
         self._starts += 1
-        self._rows: dict[int, _Row] = {}
-        self._risk_columns: dict[int, int] = {}
-        self._active: set[int] = set()
         self._lp = bounded_lp(program.cost, program.lower, program.upper)
         self._lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
         # No plan risks more than the whole unit, whatever the price.
-        self._budget_row = self._lp.add_row(np.zeros(0, dtype=np.int32), np.zeros(0), -_INF, 1.0)
-        self._bound_rows: list[tuple[frozenset[int], int]] = []
+        budget_row = self._lp.add_row(np.zeros(0, dtype=np.int32), np.zeros(0), -_INF, 1.0)
+        bound_rows = self._add_bounds(budget_row)
+        around = Surroundings(
+            self._lp, program, self.unit, self.price, self._row_scale, budget_row, bound_rows
+        )
+        self._rows = _risk_rows(around, self._rater)
+
+    def _add_bounds(self, budget_row: int) -> tuple[tuple[frozenset[int], int], ...]:
+        """Load proven bounds; return their blocks and rows."""
+        program = self.program
+        bound_rows: list[tuple[frozenset[int], int]] = []
         remainders: dict[frozenset[int], int] = {}
         for bound in self._bounds:
             # What is risked beyond the chosen rows, by vehicle and by pair: charged once each.
@@ -128,7 +137,7 @@ class RiskLp:
                 if part not in remainders:
                     # The budget's row holds it to one unit anyway; said here, it is finite.
                     remainders[part] = self._lp.add_column(
-                        self.price, 1.0, np.array([self._budget_row], dtype=np.int32), np.ones(1)
+                        self.price, 1.0, np.array([budget_row], dtype=np.int32), np.ones(1)
                     )
             inner = [remainders[part] for part in parts]
             columns = np.flatnonzero(np.isin(program.blocks, members))
@@ -138,95 +147,41 @@ class RiskLp:
                 self._row_scale * bound.value,
                 _INF,
             )
-            self._bound_rows.append((bound.blocks, row))
+            bound_rows.append((bound.blocks, row))
+        return tuple(bound_rows)
 
-    def activate(self, rows: Iterable[int]) -> None:
-        """Switch exactly these chance rows on, adding those that are new."""
-        target = set(rows)
-        if self._lp.num_rows > TUNING.crowd + 12 * len(target):
-            # Rows switched off still cost time in every pivot: begin again without them.
-            self.dropped_solves += self._lp.solves
-            self._start()
-        new = sorted(target - self._rows.keys())
-        numbers: list[int] = []
-        lowers: list[float] = []
-        for row in self._active - target:
-            numbers += self._rows[row].numbers
-            lowers += [-_INF] * len(self._rows[row].numbers)
-        for row in target - self._active:
-            if row in self._rows:
-                numbers += self._rows[row].numbers
-                lowers += self._rows[row].lowers
-        self._lp.bound_rows(numbers, np.array(lowers), np.full(len(lowers), _INF))
-        for row in new:
-            self._add(row)
-        self._active = target
-
-    def _add(self, row: int) -> None:
-        """Append a chance row, switched on."""
-        self._rows[row] = _Row([], [], [])
-        if self._tangents.is_noisy[row]:
-            column = self._risk_column(row)
-            self._append(row, self._tangents.first, self._tangents.beginning(row, column))
-            return
-        columns, values = self._tangents.coefficients(row)
-        lower = -float(self._tangents.right[row])
-        number = self._lp.add_row(columns, -values, lower, _INF)
-        self._rows[row].numbers.append(number)
-        self._rows[row].lowers.append(lower)
-
-    def _risk_column(self, row: int) -> int:
-        """Return the column of a row's event, appended if it has none yet."""
-        event = self._tangents.events[row]
-        known = self._risk_columns.get(event)
-        if known is not None:
-            return known
-        touched: frozenset[int] = frozenset()
-        if self._bound_rows:
-            columns, _ = self._tangents.coefficients(row)
-            touched = frozenset(self.program.blocks[columns].tolist())
-        rows = [number for blocks, number in self._bound_rows if touched <= blocks]
-        values = [self._row_scale * self.price] * len(rows)
-        rows.append(self._budget_row)
-        values.append(1.0)
-        column = self._lp.add_column(
-            self.price, self.row_cap / self.unit, np.array(rows, dtype=np.int32), np.array(values)
-        )
-        self._risk_columns[event] = column
-        return column
-
-    def add_tangents(self, rows: list[int], clearances: Vector) -> bool:
-        """Add one tangent to each of some active rows, unless it has one close by.
+    def activate(self, alternatives: tuple[int, ...]) -> None:
+        """Switch exactly the rows of these alternatives on, adding those that are new.
 
         Parameters
         ----------
-        rows : (k,) list of int
-            Rows with noise.
-        clearances : (k,) array
-            Where, >= 0 [standard deviations].
+        alternatives : tuple of int
+            Their numbers.
+        """
+        if not self._rows.activate(alternatives):
+            # Rows switched off still cost time in every pivot: begin again without them.
+            self.dropped_solves += self._lp.solves
+            self._start()
+            self._rows.activate(alternatives)
+
+    def refine(self, rating: Rating, point: Vector, tolerance: float) -> bool:
+        """Add tangents where the risk of the rows switched on is underestimated.
+
+        Parameters
+        ----------
+        rating : Rating
+            Of the decision variables of a point.
+        point : (c,) array
+            All columns of it.
+        tolerance : float
+            Share of the unit by which risks may be underestimated in all [-].
 
         Returns
         -------
         bool
             Whether any was added.
         """
-        added = False
-        for i, (row, at) in enumerate(zip(rows, clearances.tolist(), strict=True)):
-            if min(abs(at - q) for q in self._rows[row].clearances) > _APART:
-                touching = Touching.at(clearances[i : i + 1], self.unit, self._tangents.tail)
-                column = self._risk_column(row)
-                self._append(row, touching, self._tangents.tangents(row, touching, column))
-                added = True
-        return added
-
-    def _append(self, row: int, touching: Touching, rows: tuple[Numbers, Matrix, Vector]) -> None:
-        """Append tangents to a row, switched on."""
-        columns, entries, lowers = rows
-        first = self._lp.add_dense_rows(columns, entries, lowers)
-        added = self._rows[row]
-        added.numbers.extend(range(first, first + lowers.size))
-        added.lowers.extend(lowers.tolist())
-        added.clearances.extend(touching.clearances.tolist())
+        return self._rows.refine(rating, point, tolerance)
 
     def solve(self, cutoff: float = _INF) -> tuple[LpOutcome, float]:
         """Minimize over the active rows; see `BoundedLp.solve`."""
@@ -252,20 +207,9 @@ class RiskLp:
         """Return the decision variables, then all other columns, of the last optimal solve."""
         return self._lp.point()
 
-    def allocated(self, rows: Indices, point: Vector) -> Vector:
-        """Return the risk that a point's columns allocate to active rows.
 
-        Parameters
-        ----------
-        rows : (k,) int array
-            Rows with noise.
-        point : (c,) array
-            All columns of a solution.
-
-        Returns
-        -------
-        (k,) array
-            Probabilities; rows of one event share a column.
-        """
-        columns = [self._risk_columns[self._tangents.events[row]] for row in rows.tolist()]
-        return self.unit * point[columns]
+def _risk_rows(around: Surroundings, rater: Rater) -> RiskRows:
+    """Return no chance rows yet."""
+    if is_compiled():
+        return CompiledRiskRows(around, rater)
+    return NumpyRiskRows(around, rater.tangents)

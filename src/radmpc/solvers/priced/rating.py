@@ -23,7 +23,7 @@ if is_compiled():
 
 __all__ = ["Rater", "Rating"]
 
-_NOT_SENT = {"tangents", "_compiled"}
+_NOT_SENT = {"tangents", "compiled"}
 """What other processes compute sooner than they receive it."""
 
 
@@ -133,7 +133,7 @@ class Rater:
             clearances, cheapest = np.empty(program.rows.count), np.empty(self._every.size)
             selection, short = np.empty(self._every.size, np.int64), np.empty(self.table.shape)
             parts = clearances, cheapest, selection, short
-            risk, largest = self._compiled.rate(program.num_columns, z, *parts)
+            risk, largest = self.compiled.rate(program.num_columns, z, *parts)
             return Rating(*parts, risk, largest, program.tail)
         return self._rated(z)
 
@@ -171,8 +171,8 @@ class Rater:
         return Rating(clearances, cheapest, selection, short, risk, largest, program.tail)
 
     @cached_property
-    def _compiled(self) -> _compiled.Ratings:
-        """The same for compiled code."""
+    def compiled(self) -> _compiled.Ratings:
+        """The same for compiled code, where there is any."""
         program, rows = self.program, self.program.rows
         return _compiled.Ratings(
             *_parts(program.outputs),

@@ -23,8 +23,6 @@ from radmpc.solvers.priced.branching import BranchingChoice
 from radmpc.solvers.priced.lp import RiskLp, SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent, Node
 from radmpc.solvers.priced.rating import Rater, Rating
-from radmpc.solvers.priced.row_tangents import RowTangents
-from radmpc.solvers.priced.tangents import Tangents
 from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.priced.value import negligible_difference, priced_value
 from radmpc.solvers.solution import Limits, cutoff_below
@@ -97,10 +95,6 @@ class RiskTree:
         self.nodes = 0
         self.is_limited = False
         self.rater = Rater(program, unit) if rater is None else rater
-        # A rater made for another unit or program has other tangents.
-        is_same = self.rater.unit == unit and self.rater.program.rows is program.rows
-        self._rows = self.rater.tangents if is_same else RowTangents(program, unit)
-        self._tangents = Tangents(self._rows, unit)
         self._bounds = tuple(bounds)
         self._lp: RiskLp | None = None
         self._open: Dives[Node] = Dives(TUNING.patience)
@@ -117,7 +111,7 @@ class RiskTree:
     def lp(self) -> RiskLp:
         """The linear program, loaded when first needed."""
         if self._lp is None:
-            self._lp = RiskLp(self.program, self.unit, self.price, self._bounds, self._rows)
+            self._lp = RiskLp(self.program, self.unit, self.price, self._bounds, self.rater)
         return self._lp
 
     @property
@@ -223,7 +217,7 @@ class RiskTree:
         self.nodes += 1
         node.is_solved = True
         if node.bound < self._cutoff():
-            self.lp.activate(self._tangents.rows(node.chosen))
+            self.lp.activate(node.chosen)
             self.lp.begin_with(node.basis)
             for attempt in range(self.rounds):
                 outcome = self._relax(node)
@@ -246,7 +240,7 @@ class RiskTree:
                 # Far from any plan, an exact account of the risks chosen so far can wait.
                 tolerance = (3.0 if is_blunt else 0.5) * epsilon
                 is_last = attempt >= (1 if is_blunt else self.rounds - 1)
-                if not is_last and self._refine(node.chosen, point, rating, tolerance):
+                if not is_last and self._refine(point, rating, tolerance):
                     continue
                 if avoidance is None:
                     break
@@ -268,11 +262,10 @@ class RiskTree:
             return LpOutcome.CUTOFF
         return outcome
 
-    def _refine(
-        self, chosen: Sequence[int], point: Vector, rating: Rating, tolerance: float
-    ) -> bool:
+    def _refine(self, point: Vector, rating: Rating, tolerance: float) -> bool:
         """Add tangents where the chosen rows' risk is underestimated; tell whether any was."""
-        return self._tangents.refine(self.lp, chosen, point, rating, tolerance=tolerance)
+        # What risk is worth nothing may be underestimated.
+        return self.price > 0.0 and self.lp.refine(rating, point, tolerance / self.price)
 
     def _worth(self, z: Vector, rating: Rating) -> float:
         """Return a point's value; inf where it is no candidate."""

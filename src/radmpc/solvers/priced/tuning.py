@@ -42,9 +42,9 @@ class Tuning:
     first_tangents : tuple of float
         Clearances of a row's first tangents, beside that at its cap [standard deviations]: optimal
         plans of few vehicles keep near these.
-    crowd : int
-        Rows beyond which switched-off ones are dropped [-], beside twelve per active row: more are
-        idle in every pivot, fewer are loaded anew more often. Larger pools were slower.
+    crowd, crowd_each : int
+        Rows beyond which switched-off ones are dropped [-], and how many more per active row: more
+        are idle in every pivot, fewer are loaded anew more often. Larger pools were slower.
     rough_gap : float
         Relative gap at which the search for one group of blocks stops [-]: the whole is not optimal
         in any case, and smaller gaps take nodes from other groups.
@@ -78,6 +78,7 @@ class Tuning:
     overdrawn: float = 1.2
     first_tangents: tuple[float, ...] = (2.1, 2.6, 3.1)
     crowd: int = 400
+    crowd_each: int = 12
     rough_gap: float = 5e-3
     nodes_around: int = 60
     tries: int = 3
