@@ -226,7 +226,7 @@ def test_no_plan_is_certified_at_less_than_its_relaxation_risks(
     scenario = two_vehicles(avoidance, has_feedback=has_feedback)
     models = condensed_models(scenario)
     tails = tails_of(scenario.risk_bound, are_integrated=avoidance == "steps")
-    program = build_relaxation(scenario, models, tails, 8)
+    program = build_relaxation(scenario, models, tails, 8).program
     rater = Rater(program, scenario.risk_bound)
     rng = np.random.default_rng(0)
     compared = 0

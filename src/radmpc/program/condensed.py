@@ -133,6 +133,17 @@ class CondensedModel:
     time_cost: float = 0.0
     face_bounds: Matrix | None = None
 
+    def path(self, controls: Matrix) -> Matrix:
+        """Return the mean positions under some controls, (T+1, d) [m].
+
+        Parameters
+        ----------
+        controls : (T, m) array
+            Mean controls.
+        """
+        at: Matrix = self.drift_position + self.position @ controls.ravel()
+        return at
+
 
 def condense(
     vehicle: Vehicle,

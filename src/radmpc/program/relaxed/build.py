@@ -16,15 +16,17 @@ from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.program.relaxed.cones import Cones, Outline, SharedCones
+from radmpc.program.relaxed.cones import Cones, Outline
 from radmpc.program.relaxed.cones_in_space import cones_in_space
 from radmpc.program.relaxed.instants import Instants
+from radmpc.program.relaxed.left_out import Vicinity
 from radmpc.program.relaxed.patches import Patches, around_point, around_polytope
-from radmpc.program.relaxed.rows import DROPPED, cone_rows
+from radmpc.program.relaxed.rows import DROPPED, ConeRows, cone_rows
+from radmpc.program.relaxed.shared_rows import SharedRows
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, field
 
-__all__ = ["build_relaxation"]
+__all__ = ["Relaxation", "build_relaxation"]
 
 _BETWEEN = (0.5, 1.0)
 """Instants of an interval that are looked at, as shares of it [-]: those between would be others'
@@ -34,13 +36,30 @@ _LEVELS = 2
 """How often the octants around a pair in space are parted into four patches [-]: 128 in the end."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Relaxation:
+    """What plans cost at least.
+
+    Attributes
+    ----------
+    program : DisjunctiveProgram
+        No plan that the referee would certify has a lower cost than its optimum within Δ.
+    left_out : tuple of Vicinity
+        Hazards in reach of which it says nothing.
+    """
+
+    program: DisjunctiveProgram
+    left_out: tuple[Vicinity, ...]
+
+
 def build_relaxation(
     scenario: Scenario,
     models: Sequence[CondensedModel],
     tails: Tails,
     num_directions: int,
-    shared: SharedCones | None = None,
-) -> DisjunctiveProgram:
+    shared: SharedRows | None = None,
+    around: Tensor | None = None,
+) -> Relaxation:
     """Build the relaxation of some vehicles, obstacles and pairs among them included.
 
     Parameters
@@ -53,16 +72,20 @@ def build_relaxation(
         What charges are at least, for the same Δ.
     num_directions : int
         Directions around every hazard in the plane beside the faces of obstacles; 3 at least.
-    shared : SharedCones or None
+    shared : SharedRows or None
         Those of other sets of the same vehicles, for the same tails.
+    around : (N, T+1, d) array or None
+        Mean positions of the vehicles in a plan [m]: hazards far from them are left out. None
+        leaves out none.
 
     Returns
     -------
-    DisjunctiveProgram
-        No plan that the referee would certify has a lower cost than its optimum within Δ.
+    Relaxation
+        The program, and what was left out.
     """
-    shared = SharedCones() if shared is None else shared
-    return _Relaxation(scenario, tuple(models), tails, num_directions, shared).program()
+    shared = SharedRows() if shared is None else shared
+    relaxation = _Relaxation(scenario, tuple(models), tails, num_directions, shared, around)
+    return Relaxation(relaxation.program(), tuple(relaxation.left_out))
 
 
 @dataclass(slots=True, eq=False)
@@ -73,7 +96,9 @@ class _Relaxation:
     models: tuple[CondensedModel, ...]
     tails: Tails
     num_directions: int
-    shared: SharedCones
+    shared: SharedRows
+    around: Tensor | None
+    left_out: list[Vicinity] = field(default_factory=list)
     builder: ProgramBuilder = field(init=False)
     instants: tuple[Instants, ...] = field(init=False)
 
@@ -96,22 +121,23 @@ class _Relaxation:
         outlines = [
             outline for obstacle in self.scenario.obstacles for outline in self._outlines(obstacle)
         ]
-        for model, instants in zip(self.models, self.instants, strict=True):
+        for body, (model, instants) in enumerate(zip(self.models, self.instants, strict=True)):
             name = model.vehicle.name
             mine = {obstacle.name for obstacle in met_by(self.scenario.obstacles, name)}
             for keepout, vertices, faces in outlines:
                 if keepout.name not in mine:
                     continue
+                label: tuple[Cause, str, str] = "obstacle", name, keepout.name
                 outline = Outline(vertices, faces, model.vehicle.radius)
                 if self.scenario.dimension == 2:
                     seen = instants.seen_from(keepout.spread)
-                    self._keep_out(seen, outline, None, ("obstacle", name, keepout.name))
+                    self._keep_out((body, -1), seen, outline, None, label)
                     continue
                 # In space, what moves or is flat is left out.
                 is_standing = len(keepout.shapes) == 1
                 patches = around_polytope(keepout.shapes[0]) if is_standing else None
                 if patches is not None:
-                    self._keep_out(instants, outline, patches, ("obstacle", name, keepout.name))
+                    self._keep_out((body, -1), instants, outline, patches, label)
             for cones in self._walls(instants):
                 self._add(instants, cones, "workspace", name, None)
         for i, j in combinations(range(len(self.models)), 2):
@@ -120,11 +146,12 @@ class _Relaxation:
             d = self.scenario.dimension
             point = Outline(np.zeros((1, 1, d)), np.zeros((1, 0, d)), one.radius + two.radius)
             patches = around_point(_LEVELS) if d == 3 else None
-            self._keep_out(instants, point, patches, ("pair", one.name, two.name))
+            self._keep_out((i, j), instants, point, patches, ("pair", one.name, two.name))
         return self.builder.finish(self.scenario.risk_bound)
 
     def _keep_out(
         self,
+        bodies: tuple[int, int],
         instants: Instants,
         outline: Outline,
         patches: Patches | None,
@@ -139,24 +166,35 @@ class _Relaxation:
         if not chosen.size:
             return
         instants, outline = instants.take(chosen), outline.take(chosen)
+        if self.around is not None:
+            vicinity = Vicinity.of(*bodies, instants, outline)
+            if not vicinity.is_near(self.around):
+                self.left_out.append(vicinity)
+                return
         if patches is not None:
             cones = cones_in_space(patches, outline.radius, instants.covariances, self.tails)
             self._add(instants, cones, *label)
             return
-        count = self.num_directions
-        angles = (2.0 * np.arange(count) + 1.0) * np.pi / count
-        directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-        every = np.broadcast_to(directions, (instants.count, *directions.shape))
-        cones = self.shared.around(outline, instants.covariances, self.tails, every)
-        self._add(instants, cones, *label)
+        rows = self.shared.around(
+            outline,
+            instants,
+            self.tails,
+            self.num_directions,
+            lambda cones: self._rows(instants, cones),
+        )
+        self.builder.add_block(rows.over(instants), *label)
 
     def _add(
         self, instants: Instants, cones: Cones, cause: Cause, vehicle: str, other: str | None
     ) -> None:
         """Add the rows of cones."""
+        rows = self._rows(instants, cones)
+        self.builder.add_block(rows.over(instants), cause, vehicle, other)
+
+    def _rows(self, instants: Instants, cones: Cones) -> ConeRows:
+        """Return the rows of cones."""
         bound = self.scenario.risk_bound
-        block = cone_rows(instants, cones, bound, self.builder.tail, is_shared=self.intervals)
-        self.builder.add_block(block, cause, vehicle, other)
+        return cone_rows(instants, cones, bound, self.builder.tail, is_shared=self.intervals)
 
     def _walls(self, instants: Instants) -> list[Cones]:
         """Return the faces of the workspace: a half-space each, as it is."""

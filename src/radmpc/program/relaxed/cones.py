@@ -10,7 +10,7 @@ from radmpc.program.relaxed.normals import chosen_normals, roots_of
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass
 
-__all__ = ["Cones", "Outline", "SharedCones", "cones_around"]
+__all__ = ["Cones", "Outline", "cones_around"]
 
 _SAME = 1e-9
 """Length below which two points of a level curve are one [m]."""
@@ -140,31 +140,6 @@ def cones_around(outline: Outline, covariances: Tensor, tails: Tails, directions
     return Cones(
         normals, np.where(is_there, offsets - margins, np.inf), deviations, parents, is_void
     )
-
-
-class SharedCones:
-    """Cones that were asked for: a vehicle's are the same alone, in pairs and in larger sets."""
-
-    def __init__(self) -> None:
-        self._cones: dict[tuple[bytes, bytes, float, int], Cones] = {}
-
-    def around(
-        self, outline: Outline, covariances: Tensor, tails: Tails, directions: Tensor
-    ) -> Cones:
-        """Return `cones_around` a hazard.
-
-        Parameters
-        ----------
-        outline, covariances, directions
-            As there.
-        tails : Tails
-            The same in every call.
-        """
-        size = directions.shape[1]
-        key = (outline.vertices.tobytes(), covariances.tobytes(), outline.radius, size)
-        if key not in self._cones:
-            self._cones[key] = cones_around(outline, covariances, tails, directions)
-        return self._cones[key]
 
 
 def _level_curve(

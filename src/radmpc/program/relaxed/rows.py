@@ -10,8 +10,9 @@ from radmpc.gaussian import Tail, clearance
 from radmpc.program.avoidance import Part, RowBlock
 from radmpc.program.relaxed.cones import Cones
 from radmpc.program.relaxed.instants import Instants
+from radmpc.records import dataclass, replace
 
-__all__ = ["DROPPED", "cone_rows"]
+__all__ = ["DROPPED", "ConeRows", "cone_rows"]
 
 Flags = npt.NDArray[np.bool_]
 
@@ -28,9 +29,47 @@ _REACH = 1e-6
 rounding."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class ConeRows:
+    """The rows of one hazard, wherever the body's outputs are in a program.
+
+    Attributes
+    ----------
+    block : RowBlock
+        The rows without their coefficients.
+    instant : (r,) int array
+        The instant of each row.
+    normals : (r, d) array
+        Its unit vector away from the hazard [-].
+    """
+
+    block: RowBlock
+    instant: Indices
+    normals: Matrix
+
+    def over(self, instants: Instants) -> RowBlock:
+        """Return the rows over the outputs of a program.
+
+        Parameters
+        ----------
+        instants : Instants
+            The same instants of the same bodies, with their places in that program.
+        """
+        rows = np.arange(self.instant.size)
+        entry_rows, entry_outputs, entry_values = _entries(
+            instants, self.instant, self.normals, rows
+        )
+        return replace(
+            self.block,
+            entry_rows=entry_rows,
+            entry_outputs=entry_outputs,
+            entry_values=entry_values,
+        )
+
+
 def cone_rows(
     instants: Instants, cones: Cones, risk_bound: float, tail: Tail, *, is_shared: bool
-) -> RowBlock:
+) -> ConeRows:
     """Return the rows of one hazard: an avoidance per instant, an alternative per cone.
 
     Parameters
@@ -49,7 +88,7 @@ def cone_rows(
 
     Returns
     -------
-    RowBlock
+    ConeRows
         Without rows where every instant is clear throughout its reach.
     """
     is_there = np.isfinite(cones.offsets)
@@ -64,16 +103,17 @@ def cone_rows(
     is_within = is_asked[:, None] & is_there & (most - cones.offsets >= -_REACH)
     is_offered, parents = _offered(is_within, cones.parents)
     instant, cone = np.nonzero(is_offered)
-    rows = np.arange(instant.size)
-    entries = _entries(instants, instant, cones.normals[instant, cone], rows)
     steps = instants.windows[instant] + 1
     # Rows are in the order of instants.
     begins = np.append(True, instant[1:] != instant[:-1])[: instant.size]
     firsts, event_steps = np.cumsum(begins) - 1, steps[begins]
     if is_shared and instant.size:
         firsts, event_steps = np.zeros(instant.size, dtype=np.int64), steps[:1]
-    return RowBlock(
-        *entries,
+    nothing = np.zeros(0, dtype=np.int64)
+    block = RowBlock(
+        nothing,
+        nothing,
+        np.zeros(0),
         offsets=-cones.offsets[instant, cone],
         deviations=deviations[instant, cone],
         events=firsts,
@@ -85,6 +125,7 @@ def cone_rows(
         num_presolved=int(np.count_nonzero(~is_asked)),
         alternative_parents=parents[instant, cone],
     )
+    return ConeRows(block, instant, cones.normals[instant, cone])
 
 
 def _offered(is_within: Flags, parents: Indices) -> tuple[Flags, Indices]:

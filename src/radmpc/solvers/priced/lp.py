@@ -40,6 +40,7 @@ _DEAR = 1e6
 """Price from which rows with prices in them are scaled down [cost]: HiGHS refuses entries of
 1e15."""
 
+
 @dataclass(frozen=True, slots=True)
 class SetBound:
     """A proven lower bound on some blocks: ``cost + price · risk / unit >= value``.

@@ -77,11 +77,12 @@ class Part:
         tails : Tails or None
             As in `Part`.
         """
-        is_narrowed = len(fleet.scenario.obstacles) >= TUNING.many_obstacles
+        scenario = fleet.programs.alone(members)
+        is_narrowed = len(scenario.obstacles) >= TUNING.many_obstacles
         alone = [fleet.programs.problem((i,)).program for i in members] if is_narrowed else []
         return cls(
             members,
-            fleet.programs.alone(members),
+            scenario,
             tuple(fleet.programs.models[i] for i in members),
             tuple(alone),
             tuple(fleet.base[i] for i in members),
@@ -121,6 +122,8 @@ class PartOrder:
         What a set must promise to be searched, in cost.
     most_nodes : float
         Nodes of all its sets together, after which nothing more is begun [-].
+    is_whole : bool
+        Whether hazards far from the plan at hand count where they matter; few do.
     enough : float
         Bound of the whole part with which that of the fleet is good enough; inf where not known.
     """
@@ -131,6 +134,7 @@ class PartOrder:
     nodes: int
     worth: float
     most_nodes: float
+    is_whole: bool
     enough: float = float("inf")
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import field
 from itertools import combinations
 
+import numpy as np
+
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.proof.part import Part, PartAnswer, PartOrder, PartTask
@@ -12,7 +14,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.program.build import point_of
-from radmpc.program.relaxed.cones import SharedCones
+from radmpc.program.relaxed.shared_rows import SharedRows
 from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
@@ -50,7 +52,7 @@ class _PartSearch:
     sets: dict[Members, RelaxedSet]
     nodes: int = 0
     surroundings: Surroundings | None = None
-    cones: SharedCones = field(default_factory=SharedCones)
+    shared: SharedRows = field(default_factory=SharedRows)
 
     @property
     def _has_spent(self) -> bool:
@@ -72,7 +74,9 @@ class _PartSearch:
             if self.limits.reached:
                 return True
             most = self._most_value(blocks) if self.part.is_narrowed else float("inf")
-            proven = self._relaxed(blocks, most)
+            proven = self._relaxed(blocks, most, is_whole=self.order.is_whole)
+        elif self.order.is_whole and not proven.is_complete:
+            proven = self._relaxed(blocks, proven.most, is_whole=True).continued(proven)
         if any(bound.value == float("inf") for bound in bounds):
             # Some of them have no plan by faces at any price, so all together have none.
             self.sets[blocks] = replace(proven, price=order.price, bound=float("inf"))
@@ -83,6 +87,8 @@ class _PartSearch:
 
     def _is_done(self, proven: RelaxedSet) -> bool:
         """Whether no search of a set at the present price is worth more nodes."""
+        if self.order.is_whole and not proven.is_complete:
+            return False
         is_over = proven.is_trivial or proven.bound == float("inf")
         return is_over or proven.value - proven.bound <= self.order.worth
 
@@ -119,7 +125,7 @@ class _PartSearch:
         while not is_over:
             most = self._next_most(blocks, proven)
             if most is not None:
-                proven = self._relaxed(blocks, most).continued(proven)
+                proven = self._relaxed(blocks, most, is_whole=True).continued(proven)
             nodes = last - proven.nodes
             first = TUNING.try_nodes * len(blocks) - proven.nodes
             if self.part.is_narrowed and proven.widenings == 0 and first > 0:
@@ -131,7 +137,7 @@ class _PartSearch:
             is_done = proven.nodes >= last or proven.bound >= enough or self.limits.reached
             is_over = is_done or self._next_most(blocks, proven) is None
 
-    def _relaxed(self, blocks: Members, most: float) -> RelaxedSet:
+    def _relaxed(self, blocks: Members, most: float, *, is_whole: bool) -> RelaxedSet:
         """Build a set's relaxation; among many obstacles with the reach of plans up to a value.
 
         The other vehicles cost at least what they do in empty space. What a fleet dearer than the
@@ -153,7 +159,11 @@ class _PartSearch:
             scenario = self.surroundings.of(blocks)
         if part.tails is None:
             return RelaxedSet.by_faces(scenario, models, base, most)
-        asked = part.tails, self.order.num_directions, most, self.cones
+        around = None
+        if not is_whole:
+            paths = (part.models[b].path(part.controls[b]) for b in blocks)
+            around = np.stack(list(paths))
+        asked = part.tails, self.order.num_directions, most, self.shared, around
         return RelaxedSet.of(scenario, models, base, *asked)
 
     def _next_most(self, blocks: Members, proven: RelaxedSet) -> float | None:

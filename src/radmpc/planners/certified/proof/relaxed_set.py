@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.arrays import Vector
+from radmpc.arrays import Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.program.build import build_program
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.build import build_relaxation
-from radmpc.program.relaxed.cones import SharedCones
+from radmpc.program.relaxed.left_out import Vicinity
+from radmpc.program.relaxed.shared_rows import SharedRows
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
@@ -56,6 +57,8 @@ class RelaxedSet:
         Nodes of all searches.
     widenings : int
         How often ``most`` was chosen anew.
+    left_out : tuple of Vicinity
+        Hazards in reach of which the program says nothing.
     """
 
     scenario: Scenario
@@ -69,6 +72,7 @@ class RelaxedSet:
     frontier: Frontier = _WHOLE
     nodes: int = 0
     widenings: int = 0
+    left_out: tuple[Vicinity, ...] = ()
 
     @classmethod
     def of(
@@ -79,7 +83,8 @@ class RelaxedSet:
         tails: Tails,
         num_directions: int,
         most: float = float("inf"),
-        shared: SharedCones | None = None,
+        shared: SharedRows | None = None,
+        around: Tensor | None = None,
     ) -> RelaxedSet:
         """Build a set's relaxation.
 
@@ -97,11 +102,13 @@ class RelaxedSet:
             Directions around every hazard.
         most : float
             Value up to which it is searched.
-        shared : SharedCones or None
+        shared : SharedRows or None
             Those of other sets of the same vehicles.
+        around : (N, T+1, d) array or None
+            Mean positions in a plan [m]: hazards far from them are left out. None leaves out none.
         """
-        program = build_relaxation(scenario, models, tails, num_directions, shared)
-        return cls._of(scenario, program, base, most)
+        made = build_relaxation(scenario, models, tails, num_directions, shared, around)
+        return replace(cls._of(scenario, made.program, base, most), left_out=made.left_out)
 
     @classmethod
     def by_faces(
@@ -130,14 +137,21 @@ class RelaxedSet:
         return cls(scenario, program, rater, base, most, bound=base)
 
     def continued(self, before: RelaxedSet) -> RelaxedSet:
-        """Return this set, not searched yet, with what a search up to another value has proven."""
+        """Return this set, not searched yet, with what another search of it has proven.
+
+        Parameters
+        ----------
+        before : RelaxedSet
+            That search, up to another value, or with hazards left out.
+        """
         return replace(
             self,
             price=before.price,
             bound=before.bound,
-            best=before.best,
+            # What was left out makes points look cheaper than they are.
+            best=None if before.left_out else before.best,
             nodes=before.nodes,
-            widenings=before.widenings + 1,
+            widenings=before.widenings + (self.most != before.most or not before.left_out),
         )
 
     @property
@@ -164,7 +178,19 @@ class RelaxedSet:
     @property
     def is_trivial(self) -> bool:
         """Whether nothing is asked of the set."""
-        return self.program.num_avoidances == 0
+        return self.program.num_avoidances == 0 and not self.left_out
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the hazards that were left out would not raise the bound."""
+        if not self.left_out or self.bound == float("inf"):
+            return True
+        if self.best is None:
+            return False
+        positions = slice(0, self.program.num_positions)
+        at = self.program.outputs[positions] @ self.best.z + self.program.constant[positions]
+        shape = self.scenario.num_vehicles, -1, self.scenario.dimension
+        return not any(vicinity.is_close(at.reshape(shape)) for vicinity in self.left_out)
 
     def searched(
         self,

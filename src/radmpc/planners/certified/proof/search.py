@@ -219,7 +219,7 @@ class BoundSearch:
         gap, nodes, is_new = TUNING.set_gap * TUNING.finer**effort, nodes * 2**effort, False
         worth = TUNING.worth * self.gap * self.incumbent.cost
         spare = self.most_nodes - self.nodes
-        order = PartOrder(self.price, num_directions, gap, nodes, worth, spare)
+        order = PartOrder(self.price, num_directions, gap, nodes, worth, spare, effort > 0)
         with closing(self._answers(order, parts)) as answers:
             for members, answer in answers:
                 is_new |= answer.is_new
@@ -237,10 +237,16 @@ class BoundSearch:
     def _is_futile(self, worth: float) -> bool:
         """Whether even a search to the end would not do, and leave most of the gap open."""
         still = [m for m in self.order if self._whole(m) is None]
-        left = self._left()
+        left = self._left() + self._hidden()
         most = left + sum(min(self._paid_for_hazards(m), worth) for m in still)
         is_little = left <= TUNING.futile * (self.incumbent.cost - self._bound_here())
         return most < self._missing() and is_little
+
+    def _hidden(self) -> float:
+        """Return what hazards that were left out may add at most to the relaxed plans' value."""
+        found = [(m, whole) for m, whole in self._found() if not whole.is_complete]
+        costs = [self._paid_for_hazards(m) + sum(self.fleet.base[i] for i in m) for m, _ in found]
+        return sum(max(c - w.value, 0.0) for c, (_, w) in zip(costs, found, strict=True))
 
     def _answers(
         self, order: PartOrder, parts: Sequence[Members]
