@@ -231,7 +231,7 @@ class BoundSearch:
         return is_new and not self._is_futile(worth)
 
     def _missing(self) -> float:
-        """Return by how much the bound at this price has to rise to be good enough."""
+        """Return by how much the bound at this price has to rise."""
         return (1.0 - self.gap) * self.incumbent.cost - self._bound_here()
 
     def _is_futile(self, worth: float) -> bool:
@@ -244,9 +244,10 @@ class BoundSearch:
 
     def _hidden(self) -> float:
         """Return what hazards that were left out may add at most to the relaxed plans' value."""
-        found = [(m, whole) for m, whole in self._found() if not whole.is_complete]
-        costs = [self._paid_for_hazards(m) + sum(self.fleet.base[i] for i in m) for m, _ in found]
-        return sum(max(c - w.value, 0.0) for c, (_, w) in zip(costs, found, strict=True))
+        hidden = ((m, whole) for m, whole in self._found() if not whole.is_complete)
+        base = self.fleet.base
+        costs = ((self._paid_for_hazards(m) + sum(base[i] for i in m), w) for m, w in hidden)
+        return sum(max(cost - whole.value, 0.0) for cost, whole in costs)
 
     def _answers(
         self, order: PartOrder, parts: Sequence[Members]
