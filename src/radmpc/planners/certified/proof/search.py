@@ -185,10 +185,12 @@ class BoundSearch:
 
     def _paid_for_hazards(self, members: Members) -> float:
         """Return what a set's plan costs beyond the least in empty space."""
-        fleet, controls = self.fleet, self.incumbent.controls
-        return sum(
-            paid_for_hazards(fleet.programs.models[i], controls[i], fleet.base[i]) for i in members
+        models, base, controls = (
+            self.fleet.programs.models,
+            self.fleet.base,
+            self.incumbent.controls,
         )
+        return sum(paid_for_hazards(models[i], controls[i], base[i]) for i in members)
 
     def _search(self, num_directions: int) -> None:
         """Search all parts at the present price, until what is open matters no more."""
@@ -245,9 +247,8 @@ class BoundSearch:
     def _hidden(self) -> float:
         """Return what hazards that were left out may add at most to the relaxed plans' value."""
         hidden = ((m, whole) for m, whole in self._found() if not whole.is_complete)
-        base = self.fleet.base
-        costs = ((self._paid_for_hazards(m) + sum(base[i] for i in m), w) for m, w in hidden)
-        return sum(max(cost - whole.value, 0.0) for cost, whole in costs)
+        gains = (self._paid_for_hazards(m) + whole.base - whole.value for m, whole in hidden)
+        return sum(max(gain, 0.0) for gain in gains)
 
     def _answers(
         self, order: PartOrder, parts: Sequence[Members]
@@ -257,12 +258,12 @@ class BoundSearch:
         # Of what is known now, so that workers and this process are asked the same.
         missing = self._missing()
         orders = [replace(order, enough=self._bound_of(m) + missing) for m in chosen]
-        if self.fleet.executor is None or len(chosen) < 2:
+        limits, executor = self.fleet.limits, self.fleet.executor
+        if executor is None or len(chosen) < 2:
             for members, asked in zip(chosen, orders, strict=True):
                 yield members, self._answer_here(members, asked)
             return
-        tasks = [self._task(members, asked) for members, asked in zip(chosen, orders, strict=True)]
-        limits, executor = self.fleet.limits, self.fleet.executor
+        tasks = list(map(self._task, chosen, orders))
         with closing(in_order(search_part, tasks, limits, executor)) as answers:
             for members, asked, answer in zip(chosen, orders, answers, strict=True):
                 if answer is None or answer.nodes >= self._nodes_left:
