@@ -20,7 +20,15 @@ from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.tails import Tails, tails_of
 from radmpc.records import dataclass, field
 
-__all__ = ["Part", "PartAnswer", "PartOrder", "PartTask", "paid_for_hazards", "tails_for"]
+__all__ = [
+    "Part",
+    "PartAnswer",
+    "PartOrder",
+    "PartTask",
+    "paid_by",
+    "paid_for_hazards",
+    "tails_for",
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,6 +198,22 @@ def paid_for_hazards(model: CondensedModel, controls: Matrix, base: float) -> fl
     """
     effort = model.vehicle.cost_weight * float(np.abs(controls).sum())
     return effort + cost_of_time(model, controls) - base
+
+
+def paid_by(fleet: Fleet, incumbent: FleetIncumbent, members: Members) -> float:
+    """Return what a plan of some vehicles of a fleet costs beyond the least in empty space.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    incumbent : FleetIncumbent
+        The plan.
+    members : tuple of int
+        The vehicles.
+    """
+    models, base, controls = fleet.programs.models, fleet.base, incumbent.controls
+    return sum(paid_for_hazards(models[i], controls[i], base[i]) for i in members)
 
 
 def tails_for(scenario: Scenario) -> Tails:

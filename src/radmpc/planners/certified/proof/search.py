@@ -22,7 +22,7 @@ from radmpc.planners.certified.proof.part import (
     PartAnswer,
     PartOrder,
     PartTask,
-    paid_for_hazards,
+    paid_by,
     tails_for,
 )
 from radmpc.planners.certified.proof.part_search import search_part
@@ -185,12 +185,7 @@ class BoundSearch:
 
     def _paid_for_hazards(self, members: Members) -> float:
         """Return what a set's plan costs beyond the least in empty space."""
-        models, base, controls = (
-            self.fleet.programs.models,
-            self.fleet.base,
-            self.incumbent.controls,
-        )
-        return sum(paid_for_hazards(models[i], controls[i], base[i]) for i in members)
+        return paid_by(self.fleet, self.incumbent, members)
 
     def _search(self, num_directions: int) -> None:
         """Search all parts at the present price, until what is open matters no more."""
