@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 import scipy
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Tensor
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.planners.draft import Draft
-from radmpc.planners.outcome.trajectories import cost_of, trajectories_of
+from radmpc.planners.outcome.trajectories import cost_of, covariances_of, trajectories_of
 from radmpc.planners.planner import Planner
 from radmpc.planners.verdict import Verdict
 from radmpc.referee import Certificate, certify
@@ -50,12 +50,17 @@ class Certifying:
             if len(self._latest) >= _REMEMBERED:
                 del self._latest[next(iter(self._latest))]
             scenario, planner = self._of
-            trajectories = trajectories_of(scenario, controls)
+            trajectories = trajectories_of(scenario, controls, self._covariances)
             everyone = (tuple(range(scenario.num_vehicles)),)
             draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
             unjudged = plan_of(scenario, planner, None, draft, trajectories, None, {})
             self._latest[key] = certify(unjudged)
         return self._latest[key]
+
+    @cached_property
+    def _covariances(self) -> tuple[Tensor, ...]:
+        """Those of every vehicle, whatever the controls."""
+        return covariances_of(self._of[0])
 
     def verdict(self, controls: tuple[Matrix, ...]) -> Verdict:
         """Return what planners need of it."""

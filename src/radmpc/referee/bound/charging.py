@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from operator import itemgetter
 
 import numpy as np
 
@@ -14,6 +15,9 @@ __all__ = ["Account", "total_risk"]
 
 _SMALL = 1e-12
 """Risk below which steps share one row per vehicle and partner [-]."""
+
+
+_BY_RISK = itemgetter(1)
 
 
 @dataclass(slots=True, eq=False)
@@ -68,14 +72,14 @@ class Account:
 
 def _merged(risks: Vector) -> list[tuple[int, float]]:
     """Return steps and risks, those below a limit added to the step of their largest."""
-    large = risks >= _SMALL
-    result = {int(k): float(risks[k]) for k in np.flatnonzero(large)}
-    small = np.where(large, 0.0, risks)
-    rest = float(small.sum())
+    steps = list(enumerate(risks.tolist()))
+    large = [(step, risk) for step, risk in steps if risk >= _SMALL]
+    small = [(step, risk) for step, risk in steps if risk < _SMALL]
+    rest = math.fsum(risk for _, risk in small)
     if rest > 0.0:
-        worst = int(small.argmax())
-        result[worst] = rest
-    return sorted(result.items())
+        worst, _ = max(small, key=_BY_RISK)
+        large = sorted([*large, (worst, rest)])
+    return large
 
 
 def total_risk(rows: tuple[LedgerRow, ...]) -> float:
