@@ -76,6 +76,20 @@ def test_what_a_script_of_successive_programs_finds_is_found(name: str, cost: fl
     assert result.cost <= 1.04 * cost
 
 
+@pytest.mark.parametrize(
+    ("name", "best"),
+    [
+        ("db-CBS/forest.yaml", 4.352),
+        ("libMultiRobotPlanning/map_8by8_obst12_agents4_ex1.yaml", 6.240),
+    ],
+)
+def test_the_very_first_plan_among_boxes_takes_no_wide_bends(name: str, best: float) -> None:
+    costs: list[float] = []
+    scenario = import_scenario(INSTANCES / name).scenario
+    plan(scenario, found=lambda cost, _: costs.append(cost), stop=lambda: bool(costs))
+    assert costs[0] <= 1.25 * best
+
+
 def test_one_vehicle_after_the_other_keeps_everyone_apart_between_the_steps() -> None:
     scenario = replace(circle(6), avoidance="intervals")
     hazards = Hazards.of(scenario, condensed_models(scenario))

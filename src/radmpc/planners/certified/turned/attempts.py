@@ -78,7 +78,11 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
     """Keep vehicles apart at full clearance or less, then turn half-spaces; return the miss."""
     radii, successive = begin.task.hazards.radii, attempt.turning.successive
     begun = successive.paths.state()
-    for kept in (begin.clearance, TUNING.narrower * begin.clearance):
+    clearances = [begin.clearance, TUNING.narrower * begin.clearance]
+    if begin.routes and not begin.is_quick:
+        # Among obstacles full clearance forces wide bends, and turning shares risk better.
+        clearances.reverse()
+    for kept in clearances:
         if attempt.is_placed:
             successive.restore(begun)
         is_apart = attempt.keep_apart(kept, limits)
