@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.proof.part import Part, PartOrder, PartTask, tails_for
-from radmpc.planners.certified.proof.part_search import search_part
+from radmpc.planners.certified.proof.part_search import search_part, search_part_elsewhere
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planning import plan
@@ -102,10 +103,10 @@ def test_what_was_left_out_counts_where_the_best_point_goes_through_it() -> None
     far_around = controls_of(past(Obstacle.box("large", (4.0, -3.0), (6.0, 9.0))))
     scenario = past(Obstacle.box("small", (4.5, -0.5), (5.5, 0.5)))
     first, then = (searched(scenario, far_around, is_whole=each) for each in (False, True))
-    assert [vicinity.body for vicinity in first.left_out] == [0]
+    assert [vicinity.body for vicinity in first.built.left_out] == [0]
     assert first.bound == pytest.approx(first.base)
     assert not first.is_complete
-    assert then.left_out == ()
+    assert then.built.left_out == ()
     assert then.is_complete
     assert then.bound > 1.01 * first.bound
     # A bound at a price: what the plan costs with all that it may risk.
@@ -117,9 +118,9 @@ def test_what_nothing_is_lost_by_leaving_out_is_not_searched_anew() -> None:
     scenario = past(small, Obstacle.box("aside", (4.0, 4.5), (6.0, 5.0)))
     controls = controls_of(scenario)
     first, then = (searched(scenario, controls, is_whole=each) for each in (False, True))
-    assert len(first.left_out) == 1
+    assert len(first.built.left_out) == 1
     assert first.is_complete
-    assert then.program.num_avoidances == first.program.num_avoidances
+    assert then.built.program.num_avoidances == first.built.program.num_avoidances
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -135,6 +136,28 @@ def test_bounds_found_near_a_plan_are_no_higher_than_those_of_all_hazards(seed: 
     assert then.bound <= whole.value * (1.0 + 1e-9)
     # And little is lost: nothing that was left out is in the way.
     assert then.bound == pytest.approx(whole.bound, rel=3e-3)
+
+
+def test_a_search_in_another_process_goes_on_where_it_was_left() -> None:
+    scenario = paper(3, 1)
+    controls = controls_of(scenario)
+    members = (0, 1, 2)
+    incumbent = FleetIncumbent(controls, 1e3, (members,))
+    part = Part.of(Fleet.of(scenario, 1e-3, Limits()), incumbent, members, tails_for(scenario))
+    order = PartOrder(PRICE, 16, 1e-3, 3, 0.0, float("inf"), is_whole=False)
+    here, there = PartTask(part, {}, order), PartTask(part, {}, order)
+    for nodes in (3, 20, 100):
+        asked = replace(order, nodes=nodes)
+        kept = search_part(replace(here, order=asked), Limits())
+        sent = pickle.dumps(replace(there, order=asked).to_be_sent())
+        answer = search_part_elsewhere(pickle.loads(sent), Limits())
+        assert all(found.built is None for found in answer.sets.values())
+        assert len(pickle.dumps(answer)) < 0.2 * len(pickle.dumps(kept))
+        assert answer.nodes == kept.nodes
+        for blocks, found in answer.sets.items():
+            assert found.bound == pytest.approx(kept.sets[blocks].bound, rel=1e-9)
+            assert len(found.frontier) == len(kept.sets[blocks].frontier)
+        here, there = replace(here, proven=kept.sets), replace(there, proven=answer.sets)
 
 
 def test_only_vehicles_among_many_obstacles_of_their_own_have_their_reach_narrowed() -> None:

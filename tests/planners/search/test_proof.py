@@ -105,7 +105,7 @@ def test_a_set_searched_up_to_a_value_proves_that_value_or_its_own(among_boxes: 
         narrow = relaxed_up_to(among_boxes, most)[0].searched(Limits(), price, (), gap, 4000, hint)
         assert narrow.bound <= min(most, found.value) * (1.0 + 1e-9)
         assert narrow.bound >= min(most, found.bound) * (1.0 - 2.0 * gap)
-        assert narrow.program.num_avoidances <= found.program.num_avoidances
+        assert narrow.built.program.num_avoidances <= found.built.program.num_avoidances
 
 
 @pytest.mark.slow

@@ -145,8 +145,9 @@ def test_faces_that_leave_a_vehicle_no_plan_bound_nothing_from_above(monkeypatch
     def blocked(alone, models, base, most=np.inf):
         found = by_faces(alone, models, base, most)
         if len(models) == 1:
-            program = replace(found.program, upper=found.program.lower - 1.0)
-            return replace(found, program=program, rater=Rater(program, alone.risk_bound))
+            program = replace(found.built.program, upper=found.built.program.lower - 1.0)
+            rater = Rater(program, alone.risk_bound)
+            return replace(found, built=replace(found.built, program=program, rater=rater))
         return found
 
     monkeypatch.setattr(RelaxedSet, "by_faces", blocked)

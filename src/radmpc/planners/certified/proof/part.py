@@ -18,7 +18,7 @@ from radmpc.program.build import cost_of_time
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.tails import Tails, tails_of
-from radmpc.records import dataclass, field
+from radmpc.records import dataclass, field, replace
 
 __all__ = [
     "Part",
@@ -163,6 +163,10 @@ class PartTask:
     part: Part
     proven: Mapping[Members, RelaxedSet]
     order: PartOrder
+
+    def to_be_sent(self) -> PartTask:
+        """Return the task as other processes are given it."""
+        return replace(self, proven={m: found.to_be_sent() for m, found in self.proven.items()})
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
+from radmpc.arrays import Tensor
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.proof.part import Part, PartAnswer, PartOrder, PartTask
@@ -19,7 +20,7 @@ from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
 
-__all__ = ["search_part"]
+__all__ = ["search_part", "search_part_elsewhere"]
 
 
 def search_part(task: PartTask, limits: Limits) -> PartAnswer:
@@ -40,6 +41,12 @@ def search_part(task: PartTask, limits: Limits) -> PartAnswer:
     search = _PartSearch(task.part, task.order, limits, dict(task.proven))
     is_new = search.advance(tuple(range(len(task.part.members))))
     return PartAnswer(search.sets, search.nodes, is_new)
+
+
+def search_part_elsewhere(task: PartTask, limits: Limits) -> PartAnswer:
+    """Search a part on in another process; see `search_part`."""
+    answer = search_part(task, limits)
+    return replace(answer, sets={m: found.to_be_sent() for m, found in answer.sets.items()})
 
 
 @dataclass(slots=True, eq=False)
@@ -74,9 +81,12 @@ class _PartSearch:
             if self.limits.reached:
                 return True
             most = self._most_value(blocks) if self.part.is_narrowed else float("inf")
-            proven = self._relaxed(blocks, most, is_whole=self.order.is_whole)
+            around = None if self.order.is_whole else self._paths(blocks)
+            proven = self._relaxed(blocks, most, around)
         elif self.order.is_whole and not proven.is_complete:
-            proven = self._relaxed(blocks, proven.most, is_whole=True).continued(proven)
+            proven = self._relaxed(blocks, proven.most).continued(proven)
+        elif proven.built is None:
+            proven = proven.built_anew(self._relaxed(blocks, proven.most, proven.around))
         if any(bound.value == float("inf") for bound in bounds):
             # Some of them have no plan by faces at any price, so all together have none.
             self.sets[blocks] = replace(proven, price=order.price, bound=float("inf"))
@@ -125,7 +135,7 @@ class _PartSearch:
         while not is_over:
             most = self._next_most(blocks, proven)
             if most is not None:
-                proven = self._relaxed(blocks, most, is_whole=True).continued(proven)
+                proven = self._relaxed(blocks, most).continued(proven)
             nodes = last - proven.nodes
             first = TUNING.try_nodes * len(blocks) - proven.nodes
             if self.part.is_narrowed and proven.widenings == 0 and first > 0:
@@ -137,7 +147,12 @@ class _PartSearch:
             is_done = proven.nodes >= last or proven.bound >= enough or self.limits.reached
             is_over = is_done or self._next_most(blocks, proven) is None
 
-    def _relaxed(self, blocks: Members, most: float, *, is_whole: bool) -> RelaxedSet:
+    def _paths(self, blocks: Members) -> Tensor:
+        """Return the mean positions of a set in the plan at hand, (N, T+1, d) [m]."""
+        models, controls = self.part.models, self.part.controls
+        return np.stack([models[block].path(controls[block]) for block in blocks])
+
+    def _relaxed(self, blocks: Members, most: float, around: Tensor | None = None) -> RelaxedSet:
         """Build a set's relaxation; among many obstacles with the reach of plans up to a value.
 
         The other vehicles cost at least what they do in empty space. What a fleet dearer than the
@@ -159,10 +174,6 @@ class _PartSearch:
             scenario = self.surroundings.of(blocks)
         if part.tails is None:
             return RelaxedSet.by_faces(scenario, models, base, most)
-        around = None
-        if not is_whole:
-            paths = (part.models[b].path(part.controls[b]) for b in blocks)
-            around = np.stack(list(paths))
         asked = part.tails, self.order.num_directions, most, self.shared, around
         return RelaxedSet.of(scenario, models, base, *asked)
 

@@ -8,11 +8,10 @@ import numpy as np
 
 from radmpc.arrays import Tensor, Vector
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.proof.built import Built
 from radmpc.program.build import build_program
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.build import build_relaxation
-from radmpc.program.relaxed.left_out import Vicinity
 from radmpc.program.relaxed.shared_rows import SharedRows
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, replace
@@ -34,17 +33,15 @@ class RelaxedSet:
 
     Attributes
     ----------
-    scenario : Scenario
-        The vehicles alone, with what they may meet.
-    program : DisjunctiveProgram
-        Their relaxation, or the program of their faces.
-    rater : Rater
-        The same, laid out for rating.
+    built : Built or None
+        What is searched; None where it was left behind in another process, to be built again.
     base : float
-        What they cost at least in empty space.
+        What the vehicles cost at least in empty space.
     most : float
         Value up to which it is searched: the program need not hold plans of larger values, and
         no larger bound is proven.
+    around : (N, T+1, d) array or None
+        Mean positions in a plan [m]: hazards far from them were left out. None is none.
     price : float
         Cost per unit of probability that the values refer to; negative before any search.
     bound : float
@@ -57,22 +54,30 @@ class RelaxedSet:
         Nodes of all searches.
     widenings : int
         How often ``most`` was chosen anew.
-    left_out : tuple of Vicinity
-        Hazards in reach of which the program says nothing.
+    num_alternatives : int
+        Alternatives of the program: a frontier is of no use to another one.
+    is_trivial : bool
+        Whether nothing is asked of the set.
+    is_partial : bool
+        Whether hazards were left out.
+    is_complete : bool
+        Whether they would not raise the bound.
     """
 
-    scenario: Scenario
-    program: DisjunctiveProgram
-    rater: Rater
+    built: Built | None
     base: float
     most: float = float("inf")
+    around: Tensor | None = None
     price: float = -1.0
     bound: float = 0.0
     best: Incumbent | None = None
     frontier: Frontier = _WHOLE
     nodes: int = 0
     widenings: int = 0
-    left_out: tuple[Vicinity, ...] = ()
+    num_alternatives: int = 0
+    is_trivial: bool = False
+    is_partial: bool = False
+    is_complete: bool = True
 
     @classmethod
     def of(
@@ -108,7 +113,8 @@ class RelaxedSet:
             Mean positions in a plan [m]: hazards far from them are left out. None leaves out none.
         """
         made = build_relaxation(scenario, models, tails, num_directions, shared, around)
-        return replace(cls._of(scenario, made.program, base, most), left_out=made.left_out)
+        rater = Rater(made.program, scenario.risk_bound)
+        return cls._of(Built(scenario, made.program, rater, made.left_out), base, most, around)
 
     @classmethod
     def by_faces(
@@ -126,15 +132,51 @@ class RelaxedSet:
             As in `of`.
         """
         program = build_program(scenario, tuple(models), risk_bound=scenario.risk_bound)
-        return cls._of(scenario, program, base, most)
+        return cls._of(Built(scenario, program, Rater(program, scenario.risk_bound)), base, most)
 
     @classmethod
     def _of(
-        cls, scenario: Scenario, program: DisjunctiveProgram, base: float, most: float
+        cls, built: Built, base: float, most: float, around: Tensor | None = None
     ) -> RelaxedSet:
-        """Lay out a program for a search."""
-        rater = Rater(program, scenario.risk_bound)
-        return cls(scenario, program, rater, base, most, bound=base)
+        """Return a set that was not searched yet."""
+        is_partial = bool(built.left_out)
+        return cls(
+            built,
+            base,
+            most,
+            around,
+            bound=base,
+            num_alternatives=built.program.num_alternatives,
+            is_trivial=built.program.num_avoidances == 0 and not is_partial,
+            is_partial=is_partial,
+            is_complete=not is_partial,
+        )
+
+    @property
+    def is_sent_without(self) -> bool:
+        """Whether another process builds what is searched sooner than it receives it.
+
+        Where reach was narrowed, that took linear programs, which limits may have ended.
+        """
+        return self.most == float("inf")
+
+    def to_be_sent(self) -> RelaxedSet:
+        """Return the set as other processes are given it."""
+        return replace(self, built=None) if self.is_sent_without else self
+
+    def built_anew(self, like: RelaxedSet) -> RelaxedSet:
+        """Return the set with what is searched built again.
+
+        Parameters
+        ----------
+        like : RelaxedSet
+            The same set, built alike and not searched.
+        """
+        is_same = like.num_alternatives == self.num_alternatives
+        frontier = self.frontier if is_same else _WHOLE
+        return replace(
+            self, built=like.built, frontier=frontier, num_alternatives=like.num_alternatives
+        )
 
     def continued(self, before: RelaxedSet) -> RelaxedSet:
         """Return this set, not searched yet, with what another search of it has proven.
@@ -149,9 +191,9 @@ class RelaxedSet:
             price=before.price,
             bound=before.bound,
             # What was left out makes points look cheaper than they are.
-            best=None if before.left_out else before.best,
+            best=None if before.is_partial else before.best,
             nodes=before.nodes,
-            widenings=before.widenings + (self.most != before.most or not before.left_out),
+            widenings=before.widenings + (self.most != before.most or not before.is_partial),
         )
 
     @property
@@ -174,23 +216,6 @@ class RelaxedSet:
         if price >= self.price:
             return self.bound
         return self.base + price / self.price * (self.bound - self.base)
-
-    @property
-    def is_trivial(self) -> bool:
-        """Whether nothing is asked of the set."""
-        return self.program.num_avoidances == 0 and not self.left_out
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether the hazards that were left out would not raise the bound."""
-        if not self.left_out or self.bound == float("inf"):
-            return True
-        if self.best is None:
-            return False
-        positions = slice(0, self.program.num_positions)
-        at = self.program.outputs[positions] @ self.best.z + self.program.constant[positions]
-        shape = self.scenario.num_vehicles, -1, self.scenario.dimension
-        return not any(vicinity.is_close(at.reshape(shape)) for vicinity in self.left_out)
 
     def searched(
         self,
@@ -221,24 +246,26 @@ class RelaxedSet:
         enough : float
             Bound at which to stop.
         """
-        unit = self.scenario.risk_bound
-        if self.scenario.has_windows and self.scenario.num_vehicles == 1:
+        built = self.built
+        assert built is not None, "built anew before"
+        unit = built.scenario.risk_bound
+        if built.scenario.has_windows and built.scenario.num_vehicles == 1:
             # The program says nothing of visits whose step is open.
             bounds = (*bounds, SetBound(frozenset({0}), self.base))
         tree = RiskTree(
-            self.program,
+            built.program,
             unit,
             price * unit,
             gap=gap,
             scale=max(1e-9, 1e-3 * self.base),
             limits=limits,
             bounds=bounds,
-            rater=self.rater,
+            rater=built.rater,
         )
         # What is cheaper than the most that is asked for counts; all else need not be told apart.
         best, known, most = self.best, self.best, min(self.most, enough / (1.0 - gap))
         if most < self._value_at(price):
-            best = Incumbent(hint, np.zeros(self.program.num_avoidances, np.int64), most, 0.0)
+            best = Incumbent(hint, np.zeros(built.program.num_avoidances, np.int64), most, 0.0)
         tree.resume(self.frontier, max(self.price, 0.0) * unit, best, self.base)
         tree.consider(hint)
         tree.run(max_nodes)
@@ -246,8 +273,10 @@ class RelaxedSet:
             known = tree.best
         bound = max([self.bound_at(price), tree.bound, *(b.value for b in bounds)])
         bound = min(bound, most, tree.value)
+        is_clear = known is not None and not built.is_close(known.z)
         return replace(
             self,
+            is_complete=not self.is_partial or is_clear or bound == float("inf"),
             price=price,
             bound=bound,
             best=known,

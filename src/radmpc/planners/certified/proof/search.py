@@ -25,7 +25,7 @@ from radmpc.planners.certified.proof.part import (
     paid_by,
     tails_for,
 )
-from radmpc.planners.certified.proof.part_search import search_part
+from radmpc.planners.certified.proof.part_search import search_part, search_part_elsewhere
 from radmpc.planners.certified.proof.relaxed_plan import relaxed_plan
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
@@ -258,8 +258,8 @@ class BoundSearch:
             for members, asked in zip(chosen, orders, strict=True):
                 yield members, self._answer_here(members, asked)
             return
-        tasks = list(map(self._task, chosen, orders))
-        with closing(in_order(search_part, tasks, limits, executor)) as answers:
+        tasks = [self._task(m, asked).to_be_sent() for m, asked in zip(chosen, orders, strict=True)]
+        with closing(in_order(search_part_elsewhere, tasks, limits, executor)) as answers:
             for members, asked, answer in zip(chosen, orders, answers, strict=True):
                 if answer is None or answer.nodes >= self._nodes_left:
                     answer = self._answer_here(members, asked)  # noqa: PLW2901 - what counts
@@ -272,7 +272,7 @@ class BoundSearch:
             self.parts[members] = replace(
                 part, below=bounds_within(members, self.below, self.price)
             )
-        return PartTask(self.parts[members], self.proven.get(members, {}), order)
+        return PartTask(self.parts[members], self.proven.get(members, _NOTHING), order)
 
     def _answer_here(self, members: Members, order: PartOrder) -> PartAnswer:
         """Search a part in this process."""
