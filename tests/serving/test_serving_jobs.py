@@ -76,7 +76,9 @@ def test_a_search_tells_of_better_plans_until_it_ends():
     assert costs == sorted(costs, reverse=True)
     assert all(one.risk.certified <= 0.2 for one in better)
     assert ended.plan.cost <= costs[-1]
-    assert min(cost for cost, _ in control.of("found")) >= ended.plan.cost
+    # The same cost, summed in another order, may differ in the last bit.
+    least = min(cost for cost, _ in control.of("found"))
+    assert least >= ended.plan.cost * (1.0 - 1e-15)
     assert ended.remarks == ()
 
 

@@ -44,7 +44,18 @@ def search_part(task: PartTask, limits: Limits) -> PartAnswer:
 
 
 def search_part_elsewhere(task: PartTask, limits: Limits) -> PartAnswer:
-    """Search a part on in another process; see `search_part`."""
+    """Search a part on in another process.
+
+    Parameters
+    ----------
+    task, limits
+        As in `search_part`.
+
+    Returns
+    -------
+    PartAnswer
+        As there, without what this process builds again sooner than it receives it.
+    """
     answer = search_part(task, limits)
     return replace(answer, sets={m: found.to_be_sent() for m, found in answer.sets.items()})
 
