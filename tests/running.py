@@ -1,8 +1,9 @@
-"""Runs of planners that nobody watches, or that have done once there is a plan."""
+"""Runs of planners that nobody watches, that have done once there is a plan, or need a license."""
 
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners import Run
@@ -32,3 +33,12 @@ def first_plan(scenario: Scenario, *, time_limit: float) -> Result:
         found=lambda cost, bound: told.append(cost),
         stop=lambda: bool(told),
     )
+
+
+def need_gurobi() -> None:
+    """Skip the test where Gurobi is not installed, or the license that it brings has expired."""
+    gurobi = pytest.importorskip("gurobipy")
+    try:
+        gurobi.Env().dispose()
+    except gurobi.GurobiError as error:
+        pytest.skip(f"Gurobi: {error}")

@@ -13,6 +13,7 @@ from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM, encode
 from radmpc.solvers.milp.scip import ScipBackend
 from radmpc.solvers.solution import Limits, Outcome
+from running import need_gurobi
 
 SLOW = {5, 11, 13, 17, 29, 35}  # seconds of enumeration each
 SEEDS = [seed for seed in range(46) if seed not in SLOW]
@@ -122,7 +123,7 @@ def test_scip_says_infeasible_in_its_own_words():
 
 
 def test_gurobi_agrees_where_it_is_installed():
-    pytest.importorskip("gurobipy")
+    need_gurobi()
     for seed in (3, 4):
         _, program, margins, _ = _problem(seed)
         ours = Branch().solve(program, margins, gap=GAP, limits=Limits())
