@@ -108,7 +108,7 @@ class Site:
         said = self.guard.token if token is None else token
         address = f"ws://127.0.0.1:{self.guard.port}{SOCKET}?token={said}"
         # What is not read yet must not keep the end from being read.
-        return connect(address, max_size=None, max_queue=None, **options)
+        return connect(address, max_size=None, max_queue=1 << 20, **options)
 
     def page(self) -> Page:
         """Return a page that is there until the site is closed."""

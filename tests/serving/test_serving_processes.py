@@ -150,7 +150,7 @@ def test_the_command_prints_its_address_and_takes_its_workers_along(tmp_path, nu
         assert line.startswith("http://127.0.0.1:")
         base, token = line.split("/#token=")
         address = f"{base.replace('http', 'ws')}/socket?token={token}"
-        with connect(address, max_size=None, max_queue=None) as socket:
+        with connect(address, max_size=None, max_queue=1 << 20) as socket:
             page = Page(socket)
             document = page.call("hello")["document"]
             search = begin(page, document)["search"]
