@@ -11,7 +11,7 @@ from contextlib import closing
 import pytest
 
 from radmpc.console.running.cluster import _Lossless
-from radmpc.planners.executing import in_order
+from radmpc.planners.executing import in_order, run_elsewhere
 from radmpc.solvers.solution import Limits
 
 
@@ -28,6 +28,33 @@ def test_answers_come_in_order_whoever_is_done_first() -> None:
 
     with ThreadPoolExecutor(2) as pool:
         assert list(in_order(work, [0, 1], Limits(), pool)) == [0, 1]
+
+
+def test_what_no_worker_has_begun_is_done_here_the_last_first() -> None:
+    first_has_begun, all_others_are_done = threading.Event(), threading.Event()
+    here: list[int] = []
+    told: list[tuple[int, int]] = []
+
+    def work(task: int, limits: Limits) -> int:
+        del limits
+        if threading.current_thread() is threading.main_thread():
+            assert first_has_begun.wait(10.0)
+            here.append(task)
+        elif task == 0:
+            first_has_begun.set()
+            assert all_others_are_done.wait(10.0)
+        if task == 1:
+            all_others_are_done.set()
+        return 10 * task
+
+    with ThreadPoolExecutor(1) as pool:
+        answers = run_elsewhere(
+            work, range(5), Limits(), pool, lambda done, total: told.append((done, total))
+        )
+    assert answers == [0, 10, 20, 30, 40]
+    assert here == [4, 3, 2, 1]
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    assert told[-1] == (5, 5)
 
 
 def test_once_nobody_asks_no_task_begins_and_those_under_way_are_stopped() -> None:

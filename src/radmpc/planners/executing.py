@@ -31,14 +31,14 @@ def run_elsewhere(
     executor: Executor,
     progress: Callable[[int, int], None],
 ) -> list[Answer | None]:
-    """Run tasks on an executor.
+    """Run tasks on an executor, and here what nobody there has begun, the last ones first.
 
     Parameters
     ----------
     work : callable
         What to do with a task until a limit; a function of a module, tasks and answers pickle.
     tasks : sequence
-        The tasks.
+        The tasks, those that take longest first.
     limits : Limits
         When to stop early.
     executor : Executor
@@ -53,11 +53,21 @@ def run_elsewhere(
     """
     with _Elsewhere(work, limits, executor) as elsewhere:
         futures = elsewhere.submit(tasks)
-        waiting = {future for future in futures if future is not None}
+        here: dict[int, Answer] = {}
+        for number in reversed(range(len(tasks))):
+            future = futures[number]
+            if limits.reached or future is None or not future.cancel():
+                break
+            here[number] = work(tasks[number], limits)
+            progress(len(here) + sum(one.done() for one in futures[:number] if one), len(tasks))
+        waiting = {future for future in futures if future is not None and not future.done()}
         while waiting and not elsewhere.is_late:
             waiting = elsewhere.wait(waiting)
             progress(len(tasks) - len(waiting), len(tasks))
-        return [_answer(future) for future in futures]
+        return [
+            here[number] if number in here else _answer(future)
+            for number, future in enumerate(futures)
+        ]
 
 
 def in_order(
