@@ -145,6 +145,13 @@ class PartOrder:
     is_whole: bool
     enough: float = float("inf")
 
+    def is_done(self, found: RelaxedSet) -> bool:
+        """Tell whether no search of a set at this price is worth more nodes."""
+        if found.price != self.price or (self.is_whole and not found.is_complete):
+            return False
+        is_over = found.is_trivial or found.bound == float("inf")
+        return is_over or found.value - found.bound <= self.worth
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartTask:

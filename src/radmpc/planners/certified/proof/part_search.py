@@ -84,7 +84,7 @@ class _PartSearch:
             return False
         if proven is None and self.part.paid_for_hazards(blocks) <= order.worth:
             return False
-        if proven is not None and proven.price == order.price and self._is_done(proven):
+        if proven is not None and order.is_done(proven):
             return False
         # Fewer vehicles first: their programs are small, and what they cost at least adds up.
         bounds = self._bounds_of_fewer(blocks)
@@ -105,13 +105,6 @@ class _PartSearch:
         left = max(order.most_nodes - self.nodes, 1)
         self._search_on(blocks, proven, bounds, int(min(order.nodes * len(blocks), left)))
         return True
-
-    def _is_done(self, proven: RelaxedSet) -> bool:
-        """Whether no search of a set at the present price is worth more nodes."""
-        if self.order.is_whole and not proven.is_complete:
-            return False
-        is_over = proven.is_trivial or proven.bound == float("inf")
-        return is_over or proven.value - proven.bound <= self.order.worth
 
     def _bounds_of_fewer(self, blocks: Members) -> tuple[SetBound, ...]:
         """Search the vehicles of a set alone and in pairs; return what that proves."""

@@ -26,6 +26,7 @@ from radmpc.planners.certified.proof.part import (
     tails_for,
 )
 from radmpc.planners.certified.proof.part_search import search_part, search_part_elsewhere
+from radmpc.planners.certified.proof.promise import hidden_value, is_slow
 from radmpc.planners.certified.proof.relaxed_plan import relaxed_plan
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
@@ -67,6 +68,8 @@ class BoundSearch:
         What is known of relaxations: plans by faces are charged no less.
     nodes : int
         Nodes searched so far [-].
+    is_left : bool
+        Whether it is left since the nodes that it has left would do too little.
     tails : Tails or None
         Tables of what a clearance is charged; None by faces.
     parts : dict of tuple of int to Part
@@ -85,6 +88,7 @@ class BoundSearch:
     is_by_faces: bool = False
     below: Proven = field(default_factory=dict)
     nodes: int = 0
+    is_left: bool = False
     tails: Tails | None = field(init=False, default=None)
     parts: dict[Members, Part] = field(default_factory=dict)
     proven: dict[Members, Mapping[Members, RelaxedSet]] = field(default_factory=dict)
@@ -120,7 +124,7 @@ class BoundSearch:
         price : float
             Its shadow price of Δ, per unit of probability; one that is nearly the same is kept.
         """
-        self.incumbent, self.parts = incumbent, {}
+        self.incumbent, self.parts, self.is_left = incumbent, {}, False
         if abs(price - self.price) > TUNING.same_price * self.price:
             self.price = price
 
@@ -128,7 +132,7 @@ class BoundSearch:
     def is_over(self) -> bool:
         """Whether the bound is good enough, or no more work is allowed."""
         has_spent = self.nodes >= self.most_nodes or self.fleet.limits.reached
-        return has_spent or relative_gap(self.incumbent.cost, self.best) <= self.gap
+        return has_spent or self.is_left or relative_gap(self.incumbent.cost, self.best) <= self.gap
 
     @property
     def gap(self) -> float:
@@ -154,8 +158,8 @@ class BoundSearch:
 
     def relaxed_controls(self) -> tuple[Matrix, ...]:
         """Return the best plan of the relaxation; nothing where it is the plan at hand."""
-        found = {m: whole.best.z for m, whole in self._found() if whole.best is not None}
-        return relaxed_plan(self.fleet.programs.models, self.incumbent.controls, found)
+        best = {m: whole.best.z for m, whole in self._found() if whole.best is not None}
+        return relaxed_plan(self.fleet.programs.models, self.incumbent.controls, best)
 
     @property
     def value(self) -> float:
@@ -170,13 +174,9 @@ class BoundSearch:
     def _found(self) -> Iterator[tuple[Members, RelaxedSet]]:
         """Yield the parts that were searched as a whole."""
         for members in self.order:
-            whole = self._whole(members)
+            whole = self.proven.get(members, _NOTHING).get(tuple(range(len(members))))
             if whole is not None:
                 yield members, whole
-
-    def _whole(self, members: Members) -> RelaxedSet | None:
-        """Return what is known of a part as a whole, if anything."""
-        return self.proven.get(members, {}).get(tuple(range(len(members))))
 
     def _bound_of(self, members: Members) -> float:
         """Return the bound of a part at the present price."""
@@ -190,8 +190,13 @@ class BoundSearch:
     def _search(self, num_directions: int) -> None:
         """Search all parts at the present price, until what is open matters no more."""
         for effort in range(TUNING.rounds):
-            if not self.advance(TUNING.nodes, effort, self.order, num_directions):
+            bound, nodes = self._bound_here(), self.nodes
+            if self.is_left or not self.advance(TUNING.nodes, effort, self.order, num_directions):
                 return
+            gain, left = self._bound_here() - bound, self.most_nodes - self.nodes
+            # Of few vehicles, or while they are first searched alone, no rate is steady.
+            is_steady = self.fleet.is_large and effort > 0
+            self.is_left = is_steady and is_slow(gain, self.nodes - nodes, left, self._missing())
 
     def advance(
         self,
@@ -228,38 +233,34 @@ class BoundSearch:
         return is_new and not self._is_futile(worth)
 
     def _missing(self) -> float:
-        """Return by how much the bound at this price has to rise."""
+        """Return by how much the bound has to rise."""
         return (1.0 - self.gap) * self.incumbent.cost - self._bound_here()
 
     def _is_futile(self, worth: float) -> bool:
         """Whether even a search to the end would not do, and leave most of the gap open."""
-        still = [m for m in self.order if self._whole(m) is None]
-        left = self._left() + self._hidden()
+        found = dict(self._found())
+        still = [m for m in self.order if m not in found]
+        left = self._left() + hidden_value(found.items(), self._paid_for_hazards)
         most = left + sum(min(self._paid_for_hazards(m), worth) for m in still)
         is_little = left <= TUNING.futile * (self.incumbent.cost - self._bound_here())
         return most < self._missing() and is_little
-
-    def _hidden(self) -> float:
-        """Return what hazards that were left out may add at most to the relaxed plans' value."""
-        hidden = ((m, whole) for m, whole in self._found() if not whole.is_complete)
-        gains = (self._paid_for_hazards(m) + whole.base - whole.value for m, whole in hidden)
-        return sum(max(gain, 0.0) for gain in gains)
 
     def _answers(
         self, order: PartOrder, parts: Sequence[Members]
     ) -> Generator[tuple[Members, PartAnswer], None, None]:
         """Yield what came of every part that promises anything, in order; who asks keeps it."""
-        chosen = [m for m in parts if self._paid_for_hazards(m) > order.worth]
+        done = {m for m, whole in self._found() if order.is_done(whole)}
+        chosen = [m for m in parts if self._paid_for_hazards(m) > order.worth and m not in done]
         # Of what is known now, so that workers and this process are asked the same.
         missing = self._missing()
         orders = [replace(order, enough=self._bound_of(m) + missing) for m in chosen]
-        limits, executor = self.fleet.limits, self.fleet.executor
+        executor = self.fleet.executor
         if executor is None or len(chosen) < 2:
-            for members, asked in zip(chosen, orders, strict=True):
-                yield members, self._answer_here(members, asked)
+            yield from zip(chosen, map(self._answer_here, chosen, orders), strict=True)
             return
         tasks = [self._task(m, asked).to_be_sent() for m, asked in zip(chosen, orders, strict=True)]
-        with closing(in_order(search_part_elsewhere, tasks, limits, executor)) as answers:
+        elsewhere = in_order(search_part_elsewhere, tasks, self.fleet.limits, executor)
+        with closing(elsewhere) as answers:
             for members, asked, answer in zip(chosen, orders, answers, strict=True):
                 if answer is None or answer.nodes >= self._nodes_left:
                     answer = self._answer_here(members, asked)  # noqa: PLW2901 - what counts

@@ -1,0 +1,54 @@
+"""Whether going on with a proof promises anything."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from radmpc.experiments.families import fleet
+from radmpc.planners.certified.proof.promise import hidden_value, is_slow
+from radmpc.planners.certified.proof.search import BoundSearch
+from radmpc.planning import plan
+
+
+def test_a_rate_that_does_not_lead_half_way_is_slow() -> None:
+    # 1.0 by 100 nodes: 400 more raise it by 4.0 at most.
+    assert is_slow(1.0, 100, 400.0, 8.1)
+    assert not is_slow(1.0, 100, 400.0, 7.9)
+    assert is_slow(0.0, 100, 400.0, 1e-9)
+
+
+@pytest.mark.parametrize("gain", [0.0, 1e-9, 1.0])
+def test_who_has_no_count_of_nodes_is_never_slow(gain: float) -> None:
+    assert not is_slow(gain, 100, float("inf"), 8.0)
+
+
+def test_what_was_left_out_hides_no_more_than_the_plan_pays() -> None:
+    sets = {
+        (0,): SimpleNamespace(base=3.0, value=3.5, is_complete=False),  # pays 1.0: hides 0.5
+        (1,): SimpleNamespace(base=3.0, value=3.5, is_complete=True),
+        (2,): SimpleNamespace(base=3.0, value=4.5, is_complete=False),  # worth more than the plan
+    }
+    assert hidden_value(sets.items(), lambda members: 1.0) == pytest.approx(0.5)
+
+
+@pytest.mark.slow
+@pytest.mark.sampled(1)
+def test_a_large_fleets_proof_is_left_where_nodes_do_too_little(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found: list[BoundSearch] = []
+    run = BoundSearch.run
+
+    def kept(self: BoundSearch) -> None:
+        found.append(self)
+        run(self)
+
+    monkeypatch.setattr(BoundSearch, "run", kept)
+    monkeypatch.setattr(
+        "radmpc.planners.certified.proof.search.is_slow", lambda *asked: found[-1].best > 0.0
+    )
+    result = plan(fleet(64, 0), time_limit=120.0)
+    assert result.certified_lower_bound is not None
+    assert result.certified_lower_bound <= result.cost
