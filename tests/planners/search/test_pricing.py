@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -71,6 +73,23 @@ def risk_and_cost(singles, points):
     together = list(zip(problems, points, found, strict=True))
     risk = sum(p.program.event_risks(z, plan.selection).sum() for p, z, plan in together)
     return risk, sum(float(p.program.cost @ z) for p, z, _ in together)
+
+
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+def test_risks_of_a_plans_sides_are_those_of_the_program(avoidance):
+    fleet = Fleet.of(replace(paper(3, 1), avoidance=avoidance), 1e-3, Limits())
+    state = SearchState.of(fleet)
+    sets = ((0, 1), (2,))
+    state = solve_sets(fleet, state, sets, fleet.first_unit_price(state.budget), 1)
+    programs, rng = AllocatedPrograms(), np.random.default_rng(0)
+    for members in sets:
+        problem, plan = fleet.programs.problem(members), state.best(members)
+        program = problem.program
+        span = program.upper - program.lower
+        points = [plan.z, *(plan.z + 0.1 * span * rng.normal(size=span.size) for _ in range(20))]
+        for z in points:
+            expected = program.event_risks(z, plan.selection)
+            assert programs.risks(problem, plan, z) == pytest.approx(expected, abs=1e-12)
 
 
 def test_fitted_risks_use_the_budget_and_do_not_exceed_it(singles):

@@ -145,7 +145,7 @@ class AllocatedPrograms:
 
     def __init__(self) -> None:
         self._kept: dict[Incumbent, _AllocatedLp] = {}
-        self._risks: dict[Incumbent, Vector] = {}
+        self._chosen: dict[Incumbent, _ChosenRows] = {}
         self._most = _WARM if is_compiled() else _WARM_BY_HIGHS
 
     def of(self, problem: SetProblem, incumbent: Incumbent) -> _AllocatedLp:
@@ -175,11 +175,42 @@ class AllocatedPrograms:
         z : (n,) array
             The point: most sets stay where the plan has them.
         """
-        if z is not incumbent.z:
-            return problem.program.event_risks(z, incumbent.selection)
-        if incumbent not in self._risks:
-            self._risks[incumbent] = problem.program.event_risks(z, incumbent.selection)
-        return self._risks[incumbent]
+        if incumbent not in self._chosen:
+            self._chosen[incumbent] = _ChosenRows(problem, incumbent)
+        chosen = self._chosen[incumbent]
+        return chosen.as_planned if z is incumbent.z else chosen.risks(z)
+
+
+class _ChosenRows:
+    """The rows of a plan's alternatives, and what they risk.
+
+    Parameters
+    ----------
+    problem : SetProblem
+        The set.
+    incumbent : Incumbent
+        The plan.
+    """
+
+    def __init__(self, problem: SetProblem, incumbent: Incumbent) -> None:
+        program = problem.program
+        self._rater, self._tail = problem.rater, program.tail
+        rows = program.selected_rows(incumbent.selection)
+        order = program.rows.events[rows].argsort(kind="stable")
+        self._rows, events = rows[order], program.rows.events[rows[order]]
+        self._begins = np.flatnonzero(np.append(True, events[1:] != events[:-1])[: events.size])
+        self._events, self._count = events[self._begins], program.rows.risk_items.size
+        self.as_planned = self.risks(incumbent.z)
+
+    def risks(self, z: Vector) -> Vector:
+        """Return the risk of each event at a point, 0 of those that are not chosen, (e,) [-]."""
+        risks = np.zeros(self._count)
+        if self._begins.size:
+            clearances = self._rater.rate(z).clearances[self._rows]
+            risks[self._events] = np.maximum.reduceat(
+                self._tail.probability(clearances), self._begins
+            )
+        return risks
 
 
 class _AllocatedLp:
