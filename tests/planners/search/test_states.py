@@ -70,6 +70,20 @@ def test_from_the_same_state_a_round_is_the_same_again(fleet, begun):
     assert list(one.set_states) == list(two.set_states)
 
 
+def test_no_budget_is_tried_between_two_whose_plans_are_all_there_are(fleet, begun):
+    # Passed, rejected, then the first plan again: nothing else lies between.
+    shares = iter([0.6, 1.2, 0.6, 0.7, 0.8])
+    asked = []
+
+    def judge(controls):
+        asked.append(next(shares))
+        return Verdict(asked[-1] * fleet.scenario.risk_bound, ())
+
+    after, candidate = run_round(fleet, begun)
+    accept_round(fleet, after, candidate, judge)
+    assert asked == [0.6, 1.2, 0.6]
+
+
 def test_what_the_referee_rejects_lowers_the_budget_of_the_next_state_only(fleet, begun):
     after, candidate = run_round(fleet, begun)
     rejected = accept_round(fleet, after, candidate, judge_as(0.9))

@@ -108,6 +108,7 @@ class _Rescaling:
     high: float = float("inf")
     first: Verdict | None = None
     last: Verdict | None = None
+    seen: set[float] = field(default_factory=set)
     is_judged: bool = False
     has_merged: bool = False
     programs: AllocatedPrograms = field(default_factory=AllocatedPrograms)
@@ -120,6 +121,9 @@ class _Rescaling:
             return self._after_failure()
         risk_bound = self.fleet.scenario.risk_bound
         verdict = self._judge(points, self.budget)
+        # The plan of an earlier budget: between that and this one there is no other.
+        is_known = verdict.certified in self.seen and self.low > 0.0 and self.high < float("inf")
+        self.seen.add(verdict.certified)
         self.first, self.last = self.first or verdict, verdict
         if verdict.certified > risk_bound:
             if self._merge_hidden(verdict):
@@ -130,6 +134,8 @@ class _Rescaling:
             self.low = max(self.low, self.budget)
             if verdict.certified >= TUNING.budgets.spent * risk_bound:
                 return False
+        if is_known:
+            return False
         following = self._next_budget(verdict)
         is_same = abs(following - self.budget) <= _TUNED.same_budget * self.budget
         self.budget = following
