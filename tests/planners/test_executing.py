@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import closing
 
 import pytest
@@ -55,6 +55,30 @@ def test_what_no_worker_has_begun_is_done_here_the_last_first() -> None:
     assert here == [4, 3, 2, 1]
     assert [done for done, _ in told] == sorted(done for done, _ in told)
     assert told[-1] == (5, 5)
+
+
+def test_nothing_is_taken_from_executors_whose_running_work_can_be_canceled() -> None:
+    class Cluster(Executor):
+        """Hands work to a thread by futures that never say that they run, as dask's do."""
+
+        def submit(self, work, /, *args, **kwargs):
+            future: Future = Future()
+            thread = threading.Thread(target=lambda: future.set_result(work(*args, **kwargs)))
+            thread.start()
+            return future
+
+    here: list[int] = []
+
+    def work(task: int, limits: Limits) -> int:
+        del limits
+        time.sleep(0.02)
+        if threading.current_thread() is threading.main_thread():
+            here.append(task)
+        return task
+
+    answers = run_elsewhere(work, range(4), Limits(), Cluster(), lambda done, total: None)
+    assert answers == [0, 1, 2, 3]
+    assert here == []
 
 
 def test_once_nobody_asks_no_task_begins_and_those_under_way_are_stopped() -> None:

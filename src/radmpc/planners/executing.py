@@ -5,7 +5,15 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
 from functools import partial
 from pathlib import Path
 from typing import Any, Self, TypeVar
@@ -31,14 +39,14 @@ def run_elsewhere(
     executor: Executor,
     progress: Callable[[int, int], None],
 ) -> list[Answer | None]:
-    """Run tasks on an executor, and here what nobody there has begun, the last ones first.
+    """Run tasks on an executor, and here what no worker of its pool has begun, the last first.
 
     Parameters
     ----------
     work : callable
         What to do with a task until a limit; a function of a module, tasks and answers pickle.
     tasks : sequence
-        The tasks, those that take longest first.
+        The tasks; best those first that take longest.
     limits : Limits
         When to stop early.
     executor : Executor
@@ -54,7 +62,9 @@ def run_elsewhere(
     with _Elsewhere(work, limits, executor) as elsewhere:
         futures = elsewhere.submit(tasks)
         here: dict[int, Answer] = {}
-        for number in reversed(range(len(tasks))):
+        # Futures of others, as of a cluster, let themselves be canceled while their work runs.
+        is_told_what_began = isinstance(executor, ProcessPoolExecutor | ThreadPoolExecutor)
+        for number in reversed(range(len(tasks) if is_told_what_began else 0)):
             future = futures[number]
             if limits.reached or future is None or not future.cancel():
                 break

@@ -160,6 +160,19 @@ def test_a_search_in_another_process_goes_on_where_it_was_left() -> None:
         here, there = replace(here, proven=kept.sets), replace(there, proven=answer.sets)
 
 
+def test_a_search_of_another_program_begins_anew() -> None:
+    scenario = paper(2, 3)
+    models = condensed_models(scenario)
+    hint = point_of(models, controls_of(scenario))
+    whole = RelaxedSet.of(scenario, models, 1.0, tails_for(scenario), 16)
+    found = whole.searched(Limits(), PRICE, (), 1e-6, 4, hint)
+    sent = found.to_be_sent()
+    assert sent.to_be_sent() is sent
+    assert sent.built_anew(whole).frontier == found.frontier
+    other = RelaxedSet.of(scenario, models, 1.0, tails_for(scenario), 8)
+    assert sent.built_anew(other).frontier == ((-float("inf"), ()),)
+
+
 def test_only_vehicles_among_many_obstacles_of_their_own_have_their_reach_narrowed() -> None:
     scenario = fleet(64, 0)
     assert len(scenario.obstacles) >= 12

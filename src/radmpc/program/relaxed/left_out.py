@@ -13,9 +13,8 @@ __all__ = ["Vicinity"]
 
 _NEAR, _CLOSE = 10.0, 4.0
 """Deviations of the relative position within which a hazard is near a path, and within which it is
-close [-]. With 4 deviations for the first a fifth of the time of building is saved beside 10, and
-gaps left behind are twice as often above what is asked (ten draws of `paper(8)`, `fleet(256)`); at
-the second a hazard is charged a ten thousandth."""
+close [-]. With 4 or 6 instead of 10 the proof of `fleet(256, 0)` takes as long, and of ten draws of
+`paper(8)` two instead of one need a second search; at 4 a hazard is charged 3e-5 at most."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

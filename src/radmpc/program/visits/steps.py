@@ -108,7 +108,7 @@ def steps_on(model: CondensedModel, places: Matrix) -> tuple[tuple[int, ...], in
 
 def _flown(model: CondensedModel, controls: Matrix) -> tuple[Matrix, Matrix | None]:
     """Return mean positions, and velocities if there are any, for given controls."""
-    means = model.drift_position + model.position @ controls.ravel()
+    means = model.path(controls)
     velocity, drift = model.velocity, model.drift_velocity
     if velocity is None or drift is None:
         return means, None

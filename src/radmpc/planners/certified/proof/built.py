@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from hashlib import blake2b
+
 from radmpc.arrays import Vector
 from radmpc.model.scenario import Scenario
 from radmpc.program.program import DisjunctiveProgram
@@ -32,6 +34,12 @@ class Built:
     program: DisjunctiveProgram
     rater: Rater
     left_out: tuple[Vicinity, ...] = ()
+
+    def fingerprint(self) -> bytes:
+        """Return what programs have in common only if their alternatives are the same."""
+        program, rows = self.program, self.program.rows
+        parts = program.avoidance_starts, rows.offsets, rows.deviations, rows.normals.data
+        return blake2b(b"".join(part.tobytes() for part in parts), digest_size=16).digest()
 
     def is_close(self, z: Vector) -> bool:
         """Tell whether a point comes close to what was left out."""

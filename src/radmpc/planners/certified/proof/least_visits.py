@@ -209,7 +209,7 @@ class _Search:
     def _missed(self, controls: Vector) -> Matrix:
         """Return by how much a path misses each box, or its speed, at each step, (v, T+1)."""
         model = self.model
-        places = model.drift_position + model.position @ controls
+        places = model.path(controls)
         rows = []
         for visit in model.vehicle.via:
             beside = np.maximum(visit.lower - places, places - visit.upper).max(axis=1)

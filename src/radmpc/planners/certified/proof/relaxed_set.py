@@ -54,8 +54,8 @@ class RelaxedSet:
         Nodes of all searches.
     widenings : int
         How often ``most`` was chosen anew.
-    num_alternatives : int
-        Alternatives of the program: a frontier is of no use to another one.
+    fingerprint : bytes
+        Of the program that was left behind: its frontier is of no use to another one.
     is_trivial : bool
         Whether nothing is asked of the set.
     is_partial : bool
@@ -74,7 +74,7 @@ class RelaxedSet:
     frontier: Frontier = _WHOLE
     nodes: int = 0
     widenings: int = 0
-    num_alternatives: int = 0
+    fingerprint: bytes = b""
     is_trivial: bool = False
     is_partial: bool = False
     is_complete: bool = True
@@ -146,7 +146,6 @@ class RelaxedSet:
             most,
             around,
             bound=base,
-            num_alternatives=built.program.num_alternatives,
             is_trivial=built.program.num_avoidances == 0 and not is_partial,
             is_partial=is_partial,
             is_complete=not is_partial,
@@ -162,7 +161,9 @@ class RelaxedSet:
 
     def to_be_sent(self) -> RelaxedSet:
         """Return the set as other processes are given it."""
-        return replace(self, built=None) if self.is_sent_without else self
+        if self.built is None or not self.is_sent_without:
+            return self
+        return replace(self, built=None, fingerprint=self.built.fingerprint())
 
     def built_anew(self, like: RelaxedSet) -> RelaxedSet:
         """Return the set with what is searched built again.
@@ -172,11 +173,8 @@ class RelaxedSet:
         like : RelaxedSet
             The same set, built alike and not searched.
         """
-        is_same = like.num_alternatives == self.num_alternatives
-        frontier = self.frontier if is_same else _WHOLE
-        return replace(
-            self, built=like.built, frontier=frontier, num_alternatives=like.num_alternatives
-        )
+        is_same = like.built is not None and like.built.fingerprint() == self.fingerprint
+        return replace(self, built=like.built, frontier=self.frontier if is_same else _WHOLE)
 
     def continued(self, before: RelaxedSet) -> RelaxedSet:
         """Return this set, not searched yet, with what another search of it has proven.

@@ -63,7 +63,7 @@ class Paths:
         """
         model = self._models[vehicle]
         self.controls[vehicle] = controls
-        self.means[vehicle] = model.drift_position + model.position @ controls.ravel()
+        self.means[vehicle] = model.path(controls)
         self.sagittas[vehicle] = controls @ model.vehicle.system.sagitta.T
 
     def refer(self, vehicle: int, positions: Matrix) -> None:

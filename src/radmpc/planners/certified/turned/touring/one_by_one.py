@@ -283,7 +283,7 @@ class OneByOne(SuccessiveLp):
     def _is_flown(self, vehicle: int) -> bool:
         """Whether the latest path is that of the latest controls."""
         model = self.hazards.models[vehicle]
-        flown = model.drift_position + model.position @ self.paths.controls[vehicle].ravel()
+        flown = model.path(self.paths.controls[vehicle])
         return self._is_at(vehicle, flown)
 
     def _is_at(self, vehicle: int, means: Matrix) -> bool:
