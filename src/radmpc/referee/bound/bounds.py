@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.records import dataclass
 from radmpc.referee.bound.halfspace import end_margins, end_risks
 from radmpc.referee.bound.intervals import interval_risks
@@ -12,8 +14,12 @@ from radmpc.referee.bound.persistence import best_shares
 from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
 from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
 from radmpc.referee.motion import FleetMotion
+from radmpc.referee.sites import Sites
 
 __all__ = ["WindowHalfspaces", "instant_risks", "step_risks", "window_halfspaces"]
+
+_INTEGRATED = 4096
+"""Sites that are integrated at once [-]: memory, some 4 kB each, against the calls per block."""
 
 
 def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) -> Vector:
@@ -36,7 +42,7 @@ def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) 
     if intervals:
         found = interval_risks(encounters, motion)
     else:
-        found = np.concatenate([instant_risks(block) for block in blocks(encounters)])
+        found = instant_risks(encounters)
     # What surely happens once need not be charged for more.
     return np.asarray(found / np.maximum(found.sum(axis=1, keepdims=True), 1.0))
 
@@ -94,24 +100,54 @@ def instant_risks(encounters: Encounters) -> Vector:
     """Return the risk of every encounter at every step, (B, T+1).
 
     The smaller of the best half-space and, in the plane, the exact probability.
+
+    Parameters
+    ----------
+    encounters : Encounters
+        B of them, at steps.
     """
     count, steps, d = encounters.means.shape
-    sites = instant_sites(encounters)
-    best, risks = best_directions(sites, encounters.directions, steps)
-    # The search tells apart what fails for certain: that is no probability.
-    risks = np.minimum(risks, 1.0)
-    worth = np.flatnonzero(risks > NEGLIGIBLE)
+    risks = np.empty((count, steps))
+    close: list[tuple[Sites, Matrix]] = []
+    which: list[Indices] = []
+    start = 0
+    for block in blocks(encounters):
+        sites = instant_sites(block)
+        best, found = best_directions(sites, block.directions, steps)
+        # The search tells apart what fails for certain: that is no probability.
+        risks[start : start + len(block.means)] = np.minimum(found, 1.0).reshape(-1, steps)
+        worth = np.flatnonzero(found > NEGLIGIBLE)
+        close.append((sites.take(worth), best[worth]))
+        which.append(start * steps + worth)
+        start += len(block.means)
     # Integrals are of Gaussians.
-    if d == 2 and worth.size and sites.samples is None:
-        # Who meets nobody is not integrated.
-        from radmpc.referee.bound.planar import grown_polygon_risks  # noqa: PLC0415 - near pairs alone
+    if d == 2 and encounters.samples is None:
+        _integrate(risks.reshape(-1), close, np.concatenate(which))
+    return risks
 
-        risks[worth] = grown_polygon_risks(
-            sites.means[worth, 0],
-            sites.covariances[worth, 0],
-            sites.vertices[worth, 0],
-            sites.radii[worth],
-            best[worth],
-            risks[worth],
+
+def _integrate(risks: Vector, close: Sequence[tuple[Sites, Matrix]], which: Indices) -> None:
+    """Put probabilities in the place of half-spaces where these tell, all blocks' together."""
+    if not which.size:
+        # Who meets nobody is not integrated.
+        return
+    from radmpc.referee.bound.planar import grown_polygon_risks  # noqa: PLC0415 - near pairs alone
+
+    means, covariances, vertices, radii = (
+        np.concatenate(each)
+        for each in zip(
+            *((s.means[:, 0], s.covariances[:, 0], s.vertices[:, 0], s.radii) for s, _ in close),
+            strict=True,
         )
-    return risks.reshape(count, steps)
+    )
+    normals = np.concatenate([best for _, best in close])
+    for begin in range(0, which.size, _INTEGRATED):
+        part = slice(begin, begin + _INTEGRATED)
+        risks[which[part]] = grown_polygon_risks(
+            means[part],
+            covariances[part],
+            vertices[part],
+            radii[part],
+            normals[part],
+            risks[which[part]],
+        )
