@@ -7,11 +7,14 @@ import pytest
 from fleets import random_plan
 
 from radmpc.model.plan import Plan
+from radmpc.referee import certify
+from radmpc.referee.bound import bounds, search
+from radmpc.referee.bound.certificate import judged
 from radmpc.referee.bound.parts import NUM_PARTS, part_sites
 from radmpc.referee.bound.persistence import path_charges
 from radmpc.referee.encounters import Encounters, interval_sites
 from radmpc.referee.gather import gather_obstacles, gather_pairs
-from radmpc.referee.motion import FleetMotion, propagate
+from radmpc.referee.motion import FleetMotion, FleetNoise, propagate
 from radmpc.referee.sites import chords
 
 
@@ -66,3 +69,26 @@ def test_choices_of_half_spaces_cost_what_they_cost_alone(seed):
             chosen = directions[:, :, choice : choice + 1]
             alone = path_charges(sites, chosen, crossed, NUM_PARTS)[:, 0]
             assert together[:, choice] == pytest.approx(alone, rel=1e-6, abs=1e-300)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_is_far_away_is_charged_no_less_than_a_closer_look_finds(seed, monkeypatch):
+    for batch in batches(random_plan(seed))[1]:
+        found = bounds.instant_risks(batch)
+        boxes = bounds._box_risks(batch)
+        assert np.all(found <= np.minimum(boxes, 1.0))
+        monkeypatch.setattr(bounds, "_FAR", -1.0)
+        monkeypatch.setattr(search, "_FAR", -1.0)
+        closely = bounds.instant_risks(batch)
+        monkeypatch.undo()
+        assert np.all(boxes >= closely * (1.0 - 1e-9))
+        assert np.all(found <= closely + 1e-20)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_plan_is_judged_alike_with_its_fleets_noise_at_hand(seed):
+    plan = random_plan(seed)
+    noise = FleetNoise.of(plan.scenario)
+    first, second, anew = judged(plan, noise), judged(plan, noise), certify(plan)
+    assert first.ledger == second.ledger == anew.ledger
+    assert first.problems == second.problems == anew.problems

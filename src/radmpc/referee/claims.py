@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 import numpy.typing as npt
 
@@ -9,6 +11,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.model.plan import Plan, Status, Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.referee.motion import FleetMotion
+from radmpc.referee.plain import differing, exceeding_limits, is_beyond
 
 __all__ = ["claim_problems", "cost_of", "limit_problems", "planned_effort", "shape_problems"]
 
@@ -26,14 +29,15 @@ def shape_problems(plan: Plan) -> list[str]:
     problems = []
     expected = [v.name for v in plan.scenario.vehicles]
     given = [t.name for t in plan.trajectories]
+    known, times = set(expected), Counter(given)
     problems += [
-        f"vehicle {name!r}: missing from the plan" for name in expected if name not in given
+        f"vehicle {name!r}: missing from the plan" for name in expected if name not in times
     ]
-    problems += [f"vehicle {name!r}: not in the scenario" for name in given if name not in expected]
+    problems += [f"vehicle {name!r}: not in the scenario" for name in given if name not in known]
     problems += [
-        f"vehicle {name!r}: stands {given.count(name)} times in the plan, allowed is once"
-        for name in dict.fromkeys(given)
-        if name in expected and given.count(name) > 1
+        f"vehicle {name!r}: stands {count} times in the plan, allowed is once"
+        for name, count in times.items()
+        if name in known and count > 1
     ]
     if problems:
         return problems
@@ -121,13 +125,15 @@ def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
         The true one, under the plan's controls.
     """
     problems = statement_problems(plan)
+    off = set(differing(plan, motion, _TOL))
     for i, (vehicle, stated) in enumerate(
         zip(plan.scenario.vehicles, plan.trajectories, strict=True)
     ):
-        problems += _difference(vehicle.name, "mean", stated.means, motion.states[i])
-        problems += _difference(
-            vehicle.name, "covariance", stated.covariances, motion.covariances[i]
-        )
+        if i in off:
+            problems += _difference(vehicle.name, "mean", stated.means, motion.states[i])
+            problems += _difference(
+                vehicle.name, "covariance", stated.covariances, motion.covariances[i]
+            )
         problems += _gain_problems(vehicle, stated)
     if plan.risk.bound != plan.scenario.risk_bound:
         problems.append(
@@ -205,9 +211,8 @@ def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
         The true one, under the plan's controls.
     """
     problems = []
-    for i, (vehicle, trajectory) in enumerate(
-        zip(plan.scenario.vehicles, plan.trajectories, strict=True)
-    ):
+    for i in exceeding_limits(plan, motion, _TOL):
+        vehicle, trajectory = plan.scenario.vehicles[i], plan.trajectories[i]
         bounds = _control_bounds(vehicle, motion.seen[i][:-1])
         problems += _excess(vehicle.name, "control", trajectory.controls, bounds, 0)
         problems += _arrival_problems(vehicle, motion.states[i])
@@ -263,7 +268,7 @@ def _goal_problems(vehicle: Vehicle, position: Vector) -> list[str]:
 
 def _excess(name: str, field: str, values: Matrix, limits: Matrix, first: int) -> list[str]:
     """Name the first value per axis whose size exceeds its limit."""
-    over = np.abs(values) > limits + _TOL * np.maximum(1.0, np.abs(limits))
+    over = is_beyond(values, limits, _TOL)
     if not over.any():
         return []
     limits = np.broadcast_to(limits, values.shape)

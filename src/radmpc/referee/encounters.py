@@ -11,7 +11,7 @@ from radmpc.model.plan import Cause
 from radmpc.records import dataclass, replace
 from radmpc.referee.sites import Sites
 
-__all__ = ["Encounters", "around", "blocks", "instant_sites", "interval_sites"]
+__all__ = ["Encounters", "around", "blocks", "instant_sites", "interval_sites", "sites_at"]
 
 _BLOCK = 2_000_000
 """Numbers in the largest temporary array of one block: memory against the overhead per block."""
@@ -162,6 +162,31 @@ def instant_sites(encounters: Encounters) -> Sites:
         vertices,
         np.zeros((count * steps, 1)),
         edges,
+        encounters.samples,
+    )
+
+
+def sites_at(encounters: Encounters, rows: Indices, steps: Indices) -> Sites:
+    """Return one site with one end for some encounters, each at one step.
+
+    Parameters
+    ----------
+    encounters : Encounters
+        B of them.
+    rows, steps : (S,) int array
+        Which, and when.
+    """
+    d = encounters.means.shape[2]
+    at = steps if encounters.vertices.shape[1] > 1 else np.zeros_like(steps)
+    return Sites(
+        encounters.means[rows, steps][:, None],
+        encounters.covariances[rows, steps][:, None],
+        (True,),
+        np.zeros((rows.size, d)),
+        encounters.radii[rows],
+        encounters.vertices[rows, at][:, None],
+        np.zeros((rows.size, 1)),
+        encounters.edges[rows, at][:, None],
         encounters.samples,
     )
 

@@ -15,7 +15,13 @@ from radmpc.records import dataclass
 from radmpc.referee.common import relative
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.motion import FleetMotion
-from radmpc.referee.neighbors import Balls, far_from_box, motion_balls, near_pairs
+from radmpc.referee.neighbors import (
+    Balls,
+    far_from_box,
+    flight_boxes,
+    motion_balls,
+    near_pairs,
+)
 from radmpc.referee.padding import padded_edges, padded_normals, padded_vertices
 from radmpc.referee.pieces import boxes_of, concerned, in_windows, pieces_of
 from radmpc.referee.tails import cutoff_of
@@ -183,6 +189,7 @@ def gather_obstacles(
     if not scenario.obstacles:
         return Gathered((), skipped)
     balls = motion_balls(motion, intervals=intervals)
+    flights = flight_boxes(balls)
     num_pieces = sum(len(o.at(0)) for o in scenario.obstacles)
     explicit = count * num_pieces <= _EXPLICIT
     # Batches of one kind each: what stands still, what moves, what moves and is not known exactly.
@@ -201,7 +208,9 @@ def gather_obstacles(
             cutoff, _ = cutoff_of(motion.samples)
             more = cutoff * in_windows(tracks.deviations[place], intervals=intervals)[:, None]
             lower, upper = lower - more, upper + more
-        far = np.zeros(count, dtype=bool) if explicit else far_from_box(balls, lower, upper)
+        far = np.zeros(count, dtype=bool)
+        if not explicit:
+            far = far_from_box(balls, flights, lower, upper)
         if always is not None:
             far &= ~always
         skipped += far & mine[number]
@@ -231,13 +240,13 @@ def near_pieces(
     intervals : bool
         Whether windows are intervals, or steps.
     """
-    mine = concerned(scenario)
+    mine, flights = concerned(scenario), flight_boxes(balls)
     for number, piece, shapes in pieces_of(scenario, step):
         lower, upper = boxes_of(shapes, balls, intervals=intervals)
         if reaches is not None:
             more = in_windows(reaches[number, step:], intervals=intervals)[:, None]
             lower, upper = lower - more, upper + more
-        near = np.flatnonzero(~far_from_box(balls, lower, upper) & mine[number])
+        near = np.flatnonzero(~far_from_box(balls, flights, lower, upper) & mine[number])
         yield NearPiece(number, piece, near, shapes, None)
 
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 from radmpc.referee.common import FleetCommon, fleet_common, lasting_added, lasting_means
 from radmpc.referee.loop import Loop, loop_of
 from radmpc.referee.tracks import Tracks, tracks_of
 
-__all__ = ["FleetMotion", "Group", "propagate"]
+__all__ = ["FleetMotion", "FleetNoise", "Group", "propagate"]
 
 _MOST = 1e100
 """Largest mean or covariance [m, m/s and their squares]: squares of distances are numbers, too."""
@@ -123,6 +124,9 @@ class FleetMotion:
     @property
     def problems(self) -> list[str]:
         """Vehicles that controls or noise carry beyond all numbers."""
+        everything = np.concatenate([each.ravel() for each in (*self.states, *self.covariances)])
+        if np.abs(everything).max() <= _MOST:  # nor nan
+            return []
         return [
             f"vehicle {name!r}: its {field} overflow{'s' if field == 'mean' else ''}"
             for field, arrays in (("mean", self.states), ("covariances", self.covariances))
@@ -151,46 +155,87 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
     FleetMotion
         Per vehicle, and positions stacked.
     """
-    vehicles, horizon, d = scenario.vehicles, scenario.horizon, scenario.dimension
-    lasting = [lasting_means(v, horizon) for v in vehicles]
-    states = [
-        _mean_states(v, u, mean) for v, u, mean in zip(vehicles, controls, lasting, strict=True)
-    ]
-    described = [loop_of(vehicle, horizon) for vehicle in vehicles]
-    groups = _grouped(vehicles, described)
-    loops = _propagated(groups, len(vehicles), horizon)
-    covariances = [_part(loop, 0, v) for loop, v in zip(loops, vehicles, strict=True)]
-    seen = [_part(p, one.seen, v) for p, one, v in zip(loops, described, vehicles, strict=True)]
-    axes = [list(v.system.position) for v in vehicles]
-    sagittas = np.zeros((len(vehicles), horizon, d))
-    for i, vehicle in enumerate(vehicles):
-        if vehicle.system.is_double_integrator:
-            # The push that shifts the position by B_p u over a step deviates from its chord by a
-            # quarter of that in the middle.
-            sagittas[i] = controls[i] @ vehicle.system.B[axes[i]].T / 4.0
-    bends = [_bend(v, loop) for v, loop in zip(vehicles, described, strict=True)]
-    return FleetMotion(
-        names=tuple(v.name for v in vehicles),
-        groups=groups,
-        states=tuple(states),
-        covariances=tuple(covariances),
-        seen=tuple(seen),
-        seen_rows=tuple(one.seen for one in described),
-        loops=tuple(loops),
-        positions=np.stack([x[:, a] for x, a in zip(states, axes, strict=True)]),
-        position_covariances=np.stack(
-            [c[:, a][:, :, a] for c, a in zip(covariances, axes, strict=True)]
-        ),
-        sagittas=sagittas,
-        bends=tuple(bends),
-        bent_covariances=_bent_covariances(loops, axes, bends),
-        radii=np.array([v.radius for v in vehicles]),
-        tracks=tracks_of(scenario),
-        common=fleet_common(described, axes, bends, horizon),
-        samples=scenario.covariance_samples,
-        unknown=tuple(one.unknown for one in described),
-        lasting=tuple(lasting),
-    )
+    return FleetNoise.of(scenario).under(controls)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FleetNoise:
+    """What of a fleet's motion no controls change, for many plans of one scenario.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        Starts, dynamics, feedback and noise are taken from here.
+    still : FleetMotion
+        The motion, its states, positions and sagittas left empty.
+    """
+
+    scenario: Scenario
+    still: FleetMotion
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Self:
+        """Propagate the covariances of a scenario.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            The fleet.
+        """
+        vehicles, horizon = scenario.vehicles, scenario.horizon
+        described = [loop_of(vehicle, horizon) for vehicle in vehicles]
+        groups = _grouped(vehicles, described)
+        loops = _propagated(groups, len(vehicles), horizon)
+        covariances = [_part(loop, 0, v) for loop, v in zip(loops, vehicles, strict=True)]
+        seen = [_part(p, one.seen, v) for p, one, v in zip(loops, described, vehicles, strict=True)]
+        axes = [list(v.system.position) for v in vehicles]
+        bends = [_bend(v, loop) for v, loop in zip(vehicles, described, strict=True)]
+        nothing = np.empty((len(vehicles), 0, scenario.dimension))
+        still = FleetMotion(
+            names=tuple(v.name for v in vehicles),
+            groups=groups,
+            states=(),
+            covariances=tuple(covariances),
+            seen=tuple(seen),
+            seen_rows=tuple(one.seen for one in described),
+            loops=tuple(loops),
+            positions=nothing,
+            position_covariances=np.stack(
+                [c[:, a][:, :, a] for c, a in zip(covariances, axes, strict=True)]
+            ),
+            sagittas=nothing,
+            bends=tuple(bends),
+            bent_covariances=_bent_covariances(loops, axes, bends),
+            radii=np.array([v.radius for v in vehicles]),
+            tracks=tracks_of(scenario),
+            common=fleet_common(described, axes, bends, horizon),
+            samples=scenario.covariance_samples,
+            unknown=tuple(one.unknown for one in described),
+            lasting=tuple(lasting_means(v, horizon) for v in vehicles),
+        )
+        return cls(scenario, still)
+
+    def under(self, controls: Sequence[Matrix]) -> FleetMotion:
+        """Return the motion under given nominal controls.
+
+        Parameters
+        ----------
+        controls : sequence of (T, m) array
+            In the scenario's order.
+        """
+        vehicles = self.scenario.vehicles
+        states = _mean_states(vehicles, controls, self.still.lasting)
+        sagittas = np.zeros((len(vehicles), self.scenario.horizon, self.scenario.dimension))
+        for i, vehicle in enumerate(vehicles):
+            if vehicle.system.is_double_integrator:
+                # The push that shifts the position by B_p u over a step deviates from its chord by
+                # a quarter of that in the middle.
+                axes = list(vehicle.system.position)
+                sagittas[i] = controls[i] @ vehicle.system.B[axes].T / 4.0
+        positions = [x[:, list(v.system.position)] for x, v in zip(states, vehicles, strict=True)]
+        return replace(
+            self.still, states=tuple(states), positions=np.stack(positions), sagittas=sagittas
+        )
 
 
 def _propagated(groups: Sequence[Group], count: int, horizon: int) -> list[Tensor]:
@@ -208,17 +253,36 @@ def _part(covariances: Tensor, row: int, vehicle: Vehicle) -> Tensor:
     return covariances[:, row:last, row:last]
 
 
-def _mean_states(vehicle: Vehicle, controls: Matrix, lasting: Matrix | None) -> Matrix:
-    """Return the mean states at k = 0..T."""
-    A = vehicle.system.A
-    states = [vehicle.start]
+def _mean_states(
+    vehicles: Sequence[Vehicle], controls: Sequence[Matrix], lasting: Sequence[Matrix | None]
+) -> list[Matrix]:
+    """Return the mean states of every vehicle at k = 0..T, those of equal size together."""
+    found: list[Matrix] = [np.empty(0)] * len(vehicles)
+    alike: dict[tuple[int, ...], list[int]] = {}
+    for i, vehicle in enumerate(vehicles):
+        alike.setdefault(vehicle.system.B.shape, []).append(i)
     with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported, not warned of
-        for k, push in enumerate(controls @ vehicle.system.B.T):
-            moved = A @ states[-1] + push
-            if lasting is not None:
-                moved = moved + lasting_added(vehicle, lasting[k])
-            states.append(moved if vehicle.drift is None else moved + vehicle.drift)
-    return np.array(states)
+        for members in alike.values():
+            A = np.stack([vehicles[i].system.A for i in members])
+            B = np.stack([vehicles[i].system.B for i in members])
+            pushes = np.stack([controls[i] for i in members]) @ B.transpose(0, 2, 1)
+            for row, i in enumerate(members):
+                pushes[row] += _pushed(vehicles[i], lasting[i])
+            states = np.empty((len(members), pushes.shape[1] + 1, A.shape[1]))
+            states[:, 0] = [vehicles[i].start for i in members]
+            for k in range(pushes.shape[1]):
+                states[:, k + 1] = (A @ states[:, k, :, None])[:, :, 0] + pushes[:, k]
+            for i, path in zip(members, states, strict=True):
+                found[i] = path
+    return found
+
+
+def _pushed(vehicle: Vehicle, lasting: Matrix | None) -> Matrix | Vector | float:
+    """Return what drift and what is expected of noise that lasts add to the state, (T or 1, n)."""
+    added: Matrix | Vector | float = 0.0 if vehicle.drift is None else vehicle.drift
+    if lasting is None:
+        return added
+    return added + np.array([lasting_added(vehicle, each) for each in lasting[:-1]])
 
 
 def _grouped(vehicles: Sequence[Vehicle], loops: Sequence[Loop]) -> tuple[Group, ...]:

@@ -10,7 +10,7 @@ from radmpc.records import dataclass
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.tails import cutoff_of
 
-__all__ = ["Balls", "far_from_box", "motion_balls", "near_pairs"]
+__all__ = ["Balls", "far_from_box", "flight_boxes", "motion_balls", "near_pairs"]
 
 _FEW = 64
 """Vehicles up to which every pair is looked at [-]: a tree is no quicker, and slow to load."""
@@ -97,7 +97,21 @@ def _candidates(centers: Matrix, reaches: Vector) -> tuple[Indices, Indices]:
     return np.minimum(i, j), np.maximum(i, j)
 
 
-def far_from_box(balls: Balls, lower: Vector, upper: Vector) -> npt.NDArray[np.bool_]:
+def flight_boxes(balls: Balls) -> tuple[Matrix, Matrix]:
+    """Return the corners of the boxes around all that each vehicle's balls hold, (N, d) each.
+
+    Parameters
+    ----------
+    balls : Balls
+        Of all vehicles.
+    """
+    reaches = balls.reaches[:, :, None]
+    return (balls.centers - reaches).min(axis=1), (balls.centers + reaches).max(axis=1)
+
+
+def far_from_box(
+    balls: Balls, flights: tuple[Matrix, Matrix], lower: Matrix, upper: Matrix
+) -> npt.NDArray[np.bool_]:
     """Return which vehicles' balls stay clear of a box in all windows, (N,) bool.
 
     An axis that separates ball and box is a half-space with as many standard deviations to spare.
@@ -106,10 +120,18 @@ def far_from_box(balls: Balls, lower: Vector, upper: Vector) -> npt.NDArray[np.b
     ----------
     balls : Balls
         Of all vehicles.
+    flights : (N, d) array and (N, d) array
+        The boxes around them: most vehicles never come near.
     lower, upper : (K, d) array
         Corners of the box in each window [m].
     """
-    reaches = balls.reaches[:, :, None]
-    beside = (balls.centers - reaches >= upper) | (balls.centers + reaches <= lower)
-    clear: npt.NDArray[np.bool_] = np.all(np.any(beside, axis=2), axis=1)
-    return clear
+    lowest, highest = flights
+    far: npt.NDArray[np.bool_] = np.any(
+        (lowest >= upper.max(axis=0)) | (highest <= lower.min(axis=0)), axis=1
+    )
+    some = np.flatnonzero(~far)
+    if some.size:
+        centers, reaches = balls.centers[some], balls.reaches[some, :, None]
+        beside = (centers - reaches >= upper) | (centers + reaches <= lower)
+        far[some] = np.all(np.any(beside, axis=2), axis=1)
+    return far

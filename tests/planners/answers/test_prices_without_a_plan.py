@@ -16,6 +16,7 @@ from radmpc.planners.presets import parse_planner
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.referee import Certificate, certify
+from radmpc.referee.motion import FleetNoise
 
 SCENARIO = circle(4)
 HAZARDS = Hazards.of(SCENARIO, condensed_models(SCENARIO))
@@ -88,11 +89,12 @@ def test_a_certificate_just_above_the_bound_calls_for_a_higher_price_not_for_goi
 def test_the_referee_is_asked_once_for_what_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     judged = []
 
-    def judge(plan: Plan) -> Certificate:
+    def judge(plan: Plan, noise: FleetNoise) -> Certificate:
+        assert noise.scenario is plan.scenario
         judged.append(plan)
         return certify(plan)
 
-    monkeypatch.setattr(record, "certify", judge)
+    monkeypatch.setattr(record, "judged", judge)
     referee = record.Certifying(SCENARIO, parse_planner("certified"))
 
     def of(push: float) -> tuple[np.ndarray, ...]:

@@ -17,7 +17,8 @@ from radmpc.planners.draft import Draft
 from radmpc.planners.outcome.trajectories import cost_of, covariances_of, trajectories_of
 from radmpc.planners.planner import Planner
 from radmpc.planners.verdict import Verdict
-from radmpc.referee import Certificate, certify
+from radmpc.referee.bound.certificate import Certificate, judged
+from radmpc.referee.motion import FleetNoise
 from radmpc.version import __version__
 
 __all__ = ["Certifying", "plan_of"]
@@ -54,13 +55,18 @@ class Certifying:
             everyone = (tuple(range(scenario.num_vehicles)),)
             draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
             unjudged = plan_of(scenario, planner, None, draft, trajectories, None, {})
-            self._latest[key] = certify(unjudged)
+            self._latest[key] = judged(unjudged, self._noise)
         return self._latest[key]
 
     @cached_property
     def _covariances(self) -> tuple[Tensor, ...]:
         """Those of every vehicle, whatever the controls."""
         return covariances_of(self._of[0])
+
+    @cached_property
+    def _noise(self) -> FleetNoise:
+        """What the referee needs to know of the fleet, whatever the controls."""
+        return FleetNoise.of(self._of[0])
 
     def verdict(self, controls: tuple[Matrix, ...]) -> Verdict:
         """Return what planners need of it."""

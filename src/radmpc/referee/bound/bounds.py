@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.records import dataclass
 from radmpc.referee.bound.halfspace import end_margins, end_risks
 from radmpc.referee.bound.intervals import interval_risks
 from radmpc.referee.bound.persistence import best_shares
 from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
-from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
+from radmpc.referee.encounters import (
+    Encounters,
+    blocks,
+    instant_sites,
+    interval_sites,
+    sites_at,
+)
 from radmpc.referee.motion import FleetMotion
-from radmpc.referee.sites import Sites
+from radmpc.referee.reserve import in_deviations
+from radmpc.referee.tails import exceeding
 
 __all__ = ["WindowHalfspaces", "instant_risks", "step_risks", "window_halfspaces"]
 
-_INTEGRATED = 4096
-"""Sites that are integrated at once [-]: memory, some 4 kB each, against the calls per block."""
+_FAR = 1e-24
+"""Risk across the line to a box around a set below which no other half-space is tried [-]: all such
+of a thousand vehicles among a hundred obstacles add up to less than anybody asks for."""
+
+_BLOCK = 1_000_000
+"""Numbers in the largest array of one block of sites: memory against the calls per block."""
 
 
 def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) -> Vector:
@@ -39,10 +48,7 @@ def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) 
     (B, T+1) array
         Sums over steps bound the probability that the encounter collides at all.
     """
-    if intervals:
-        found = interval_risks(encounters, motion)
-    else:
-        found = instant_risks(encounters)
+    found = interval_risks(encounters, motion) if intervals else instant_risks(encounters)
     # What surely happens once need not be charged for more.
     return np.asarray(found / np.maximum(found.sum(axis=1, keepdims=True), 1.0))
 
@@ -96,58 +102,51 @@ def window_halfspaces(encounters: Encounters, *, intervals: bool) -> WindowHalfs
     return WindowHalfspaces(normals, bounds, chances)
 
 
-def instant_risks(encounters: Encounters) -> Vector:
+def instant_risks(encounters: Encounters) -> Matrix:
     """Return the risk of every encounter at every step, (B, T+1).
 
-    The smaller of the best half-space and, in the plane, the exact probability.
+    The smaller of the best half-space and, in the plane, the exact probability; of what is far away
+    that of the half-space across the line to the box around it.
 
     Parameters
     ----------
     encounters : Encounters
         B of them, at steps.
     """
-    count, steps, d = encounters.means.shape
-    risks = np.empty((count, steps))
-    close: list[tuple[Sites, Matrix]] = []
-    which: list[Indices] = []
-    start = 0
-    for block in blocks(encounters):
-        sites = instant_sites(block)
-        best, found = best_directions(sites, block.directions, steps)
+    risks = _box_risks(encounters)
+    near = np.argwhere(risks > _FAR)
+    corners, tried = encounters.vertices.shape[2], encounters.directions.shape[1]
+    size = max(1, _BLOCK // ((tried + 2 * corners) * (corners + 4)))
+    for begin in range(0, len(near), size):
+        rows, steps = near[begin : begin + size].T
+        sites = sites_at(encounters, rows, steps)
+        best, found = best_directions(sites, encounters.directions[rows], 1)
         # The search tells apart what fails for certain: that is no probability.
-        risks[start : start + len(block.means)] = np.minimum(found, 1.0).reshape(-1, steps)
+        found = np.minimum(found, 1.0)
         worth = np.flatnonzero(found > NEGLIGIBLE)
-        close.append((sites.take(worth), best[worth]))
-        which.append(start * steps + worth)
-        start += len(block.means)
-    # Integrals are of Gaussians.
-    if d == 2 and encounters.samples is None:
-        _integrate(risks.reshape(-1), close, np.concatenate(which))
+        # Integrals are of Gaussians.
+        if worth.size and encounters.samples is None and encounters.means.shape[2] == 2:
+            # Who meets nobody is not integrated.
+            from radmpc.referee.bound.planar import grown_polygon_risks  # noqa: PLC0415 - near pairs alone
+
+            close = sites.take(worth)
+            found[worth] = grown_polygon_risks(
+                close.means[:, 0],
+                close.covariances[:, 0],
+                close.vertices[:, 0],
+                close.radii,
+                best[worth],
+                found[worth],
+            )
+        risks[rows, steps] = np.minimum(found, risks[rows, steps])
     return risks
 
 
-def _integrate(risks: Vector, close: Sequence[tuple[Sites, Matrix]], which: Indices) -> None:
-    """Put probabilities in the place of half-spaces where these tell, all blocks' together."""
-    if not which.size:
-        # Who meets nobody is not integrated.
-        return
-    from radmpc.referee.bound.planar import grown_polygon_risks  # noqa: PLC0415 - near pairs alone
-
-    means, covariances, vertices, radii = (
-        np.concatenate(each)
-        for each in zip(
-            *((s.means[:, 0], s.covariances[:, 0], s.vertices[:, 0], s.radii) for s, _ in close),
-            strict=True,
-        )
-    )
-    normals = np.concatenate([best for _, best in close])
-    for begin in range(0, which.size, _INTEGRATED):
-        part = slice(begin, begin + _INTEGRATED)
-        risks[which[part]] = grown_polygon_risks(
-            means[part],
-            covariances[part],
-            vertices[part],
-            radii[part],
-            normals[part],
-            risks[which[part]],
-        )
+def _box_risks(encounters: Encounters) -> Matrix:
+    """Return the risk of half-spaces across the lines to the boxes around the sets, (B, T+1)."""
+    lower, upper = encounters.vertices.min(axis=2), encounters.vertices.max(axis=2)
+    beside = np.maximum(lower - encounters.means, encounters.means - upper)
+    distances = np.linalg.norm(np.maximum(beside, 0.0), axis=2) - encounters.radii[:, None]
+    # The trace is no less than the largest variance.
+    deviations = np.sqrt(np.trace(encounters.covariances, axis1=2, axis2=3))
+    return exceeding(in_deviations(distances, deviations), encounters.samples)

@@ -15,11 +15,11 @@ from radmpc.referee.bound.charging import Account, total_risk
 from radmpc.referee.bound.workspace import workspace_risks
 from radmpc.referee.claims import claim_problems, limit_problems, shape_problems
 from radmpc.referee.gather import Gathered, gather_obstacles, gather_pairs
-from radmpc.referee.motion import FleetMotion, propagate
+from radmpc.referee.motion import FleetMotion, FleetNoise
 from radmpc.referee.saturation import saturation_bound
 from radmpc.referee.tails import cutoff_of
 
-__all__ = ["Certificate", "certify"]
+__all__ = ["Certificate", "certify", "judged"]
 
 _STATED_TOL = 1e-6
 """Relative difference [-] by which a stated certificate may be below the recomputed one: rounding
@@ -128,11 +128,24 @@ def certify(plan: Plan, *, avoidance: Avoidance | None = None) -> Certificate:
         If there is no such avoidance.
     """
     plan = plan_under(plan, avoidance)
+    return judged(plan, FleetNoise.of(plan.scenario))
+
+
+def judged(plan: Plan, noise: FleetNoise) -> Certificate:
+    """Judge one of many plans of a scenario, as `certify` does.
+
+    Parameters
+    ----------
+    plan : Plan
+        Any plan.
+    noise : FleetNoise
+        Of its scenario.
+    """
     scenario = plan.scenario
     problems = shape_problems(plan)
     if problems:
         return Certificate(scenario.risk_bound, 1.0, (), tuple(problems))
-    motion = propagate(scenario, [t.controls for t in plan.trajectories])
+    motion = noise.under([t.controls for t in plan.trajectories])
     if motion.problems:
         return Certificate(scenario.risk_bound, 1.0, (), tuple(motion.problems))
     problems = claim_problems(plan, motion) + limit_problems(plan, motion)

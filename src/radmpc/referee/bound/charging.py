@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from operator import itemgetter
 
 import numpy as np
 
@@ -15,9 +14,6 @@ __all__ = ["Account", "total_risk"]
 
 _SMALL = 1e-12
 """Risk below which steps share one row per vehicle and partner [-]."""
-
-
-_BY_RISK = itemgetter(1)
 
 
 @dataclass(slots=True, eq=False)
@@ -62,24 +58,36 @@ class Account:
             Names, by number.
         """
         rows = []
-        for (cause, vehicle, other), risks in self.entries.items():
+        for (cause, vehicle, other), steps in zip(self.entries, self._merged(), strict=True):
             names = vehicles if cause in {"pair", "range"} else obstacles
             partner = None if other is None else names[other]
-            for step, risk in _merged(risks):
-                rows.append(LedgerRow(cause, vehicles[vehicle], partner, step, risk))
+            rows += [
+                LedgerRow(cause, vehicles[vehicle], partner, step, risk) for step, risk in steps
+            ]
         return tuple(rows)
 
+    def _merged(self) -> list[list[tuple[int, float]]]:
+        """Return each entry's steps and risks, those below a limit added to their largest."""
+        found: list[list[tuple[int, float]]] = [[]] * len(self.entries)
+        alike: dict[int, list[int]] = {}
+        for number, risks in enumerate(self.entries.values()):
+            alike.setdefault(risks.size, []).append(number)
+        every = list(self.entries.values())
+        for numbers in alike.values():
+            risks = np.array([every[number] for number in numbers])
+            small = np.where(risks < _SMALL, risks, 0.0)
+            rest, worst = small.sum(axis=1).tolist(), small.argmax(axis=1).tolist()
+            has_large = risks.max(axis=1) >= _SMALL
+            for row, number in enumerate(numbers):
+                merged = [(worst[row], rest[row])] if rest[row] > 0.0 else []
+                found[number] = [*_large(risks[row]), *merged] if has_large[row] else merged
+                found[number].sort()
+        return found
 
-def _merged(risks: Vector) -> list[tuple[int, float]]:
-    """Return steps and risks, those below a limit added to the step of their largest."""
-    steps = list(enumerate(risks.tolist()))
-    large = [(step, risk) for step, risk in steps if risk >= _SMALL]
-    small = [(step, risk) for step, risk in steps if risk < _SMALL]
-    rest = math.fsum(risk for _, risk in small)
-    if rest > 0.0:
-        worst, _ = max(small, key=_BY_RISK)
-        large = sorted([*large, (worst, rest)])
-    return large
+
+def _large(risks: Vector) -> list[tuple[int, float]]:
+    """Return the steps that have a row of their own, with their risks."""
+    return [(step, risk) for step, risk in enumerate(risks.tolist()) if risk >= _SMALL]
 
 
 def total_risk(rows: tuple[LedgerRow, ...]) -> float:

@@ -17,7 +17,7 @@ NEGLIGIBLE = 1e-15
 """Risk of a half-space below which no better one is searched for [-]."""
 
 _FAR = 1e-24
-"""Risk across the line of centers below which faces are not tried [-]: all such sites of ten thousand
+"""Risk across the line of centers below which faces are not tried [-]: all such sites of a thousand
 vehicles among a hundred obstacles add up to less than anybody asks for."""
 
 _TELLING = 1e-10
