@@ -14,7 +14,7 @@ import numpy as np
 
 from radmpc.records import dataclass, field
 
-__all__ = ["joint_search"]
+__all__ = ["Configuration", "joint_search"]
 
 _UNREACHED = 1 << 30
 """Distance of nodes from which a goal is out of reach [edges]."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.narrow.clear import Clear
-from radmpc.planners.certified.turned.narrow.joint_search import joint_search
+from radmpc.planners.certified.turned.narrow.joint_search import Configuration, joint_search
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
@@ -53,18 +54,43 @@ def joint_routes(
         if np.unique(nearest).size < len(nearest) or apart.min(axis=1).max() > spacing:
             return {}
         ends.append(tuple(nearest.tolist()))
-    found: list[tuple[int, ...]] = []
-    for _ in range(TUNING.joint_draws):
-        other = joint_search(neighbors, ends[0], ends[1], TUNING.configurations, rng, is_stopped)
-        if is_stopped():
-            break
-        if other and (not found or len(other) < len(found)):
-            found = other
-        if not other:
-            break
+    found = _shortest(neighbors, (ends[0], ends[1]), rng, is_stopped)
     if not found:
         return {}
     return {i: nodes[[each[i] for each in found]] for i in range(hazards.count)}
+
+
+def _shortest(
+    neighbors: list[list[int]],
+    ends: tuple[Configuration, Configuration],
+    rng: np.random.Generator,
+    is_stopped: Callable[[], bool],
+) -> list[Configuration]:
+    """Return the solution of fewest ticks of those drawn, of these that of fewest moves.
+
+    Short solutions are found soon or not at all: long searches end with long ones.
+    """
+    for configurations in (TUNING.soon, TUNING.configurations):
+        best, shortest = list[Configuration](), (np.inf, np.inf)
+        for _ in range(TUNING.joint_draws):
+            drawn = joint_search(neighbors, *ends, configurations, rng, is_stopped)
+            length = len(drawn), _moves(drawn)
+            if drawn and length < shortest:
+                best, shortest = drawn, length
+            if is_stopped():
+                return best
+        if best:
+            break
+    return best
+
+
+def _moves(configurations: list[Configuration]) -> int:
+    """Return how often anybody moves to another node."""
+    return sum(
+        here != there
+        for before, after in pairwise(configurations)
+        for here, there in zip(before, after, strict=True)
+    )
 
 
 def _lattice(places: Matrix, least: float) -> tuple[float, Vector]:
