@@ -82,18 +82,24 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
     if begin.routes and not begin.is_quick:
         # Among obstacles full clearance forces wide bends, and turning shares risk better.
         clearances.reverse()
+    allowed = TUNING.nearly * max(float(radii.mean()), TUNING.nearly_each * float(radii.sum()))
+    least, closest = np.inf, begun
     for kept in clearances:
         if attempt.is_placed:
             successive.restore(begun)
         is_apart = attempt.keep_apart(kept, limits)
         missed = float(successive.missed.sum())
-        if is_apart or missed <= TUNING.nearly * float(radii.mean()):
+        if missed < least:
+            least, closest = missed, successive.paths.state()
+        if is_apart or missed <= allowed:
             found = attempt.run()
             if found.controls:
                 return missed, found
         if missed > TUNING.most_missed * float(radii.sum()):
             break
-    return missed, FleetIncumbent()
+    # Without any plan, the attempt that missed least is turned after all.
+    successive.restore(closest)
+    return least, FleetIncumbent()
 
 
 def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:

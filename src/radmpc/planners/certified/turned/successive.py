@@ -145,7 +145,10 @@ class SuccessiveLp:
         least, num_stuck, cost = np.inf, 0, np.inf
         penalty = first_penalty
         order, is_still = range(self.hazards.count), np.zeros(self.hazards.count, dtype=bool)
-        for _ in range(max_sweeps):
+        # Where other attempts follow, what misses that much is left to them.
+        hopeless = TUNING.most_missed * float(self.hazards.radii.sum())
+        is_quick = max_sweeps <= TUNING.quick_sweeps
+        for number in range(max_sweeps):
             for i in order:
                 if (limits or self.limits).reached:
                     return False
@@ -164,6 +167,8 @@ class SuccessiveLp:
             num_stuck = num_stuck + 1 if missed > 0.9 * least else 0
             least = min(least, missed)
             if missed > _MISSED and num_stuck >= TUNING.stuck:
+                return False
+            if is_quick and number >= TUNING.telling and missed > hopeless:
                 return False
             penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
         return float(self.missed.sum()) <= _MISSED

@@ -70,18 +70,16 @@ def _shortest(
 
     Short solutions are found soon or not at all: long searches end with long ones.
     """
-    for configurations in (TUNING.soon, TUNING.configurations):
-        best, shortest = list[Configuration](), (np.inf, np.inf)
+    for configurations, enough in ((TUNING.soon, TUNING.joint_draws), (TUNING.configurations, 4)):
+        found: list[list[Configuration]] = []
         for _ in range(TUNING.joint_draws):
             drawn = joint_search(neighbors, *ends, configurations, rng, is_stopped)
-            length = len(drawn), _moves(drawn)
-            if drawn and length < shortest:
-                best, shortest = drawn, length
-            if is_stopped():
-                return best
-        if best:
-            break
-    return best
+            found += [drawn] if drawn else []
+            if is_stopped() or len(found) >= enough:
+                break
+        if found or is_stopped():
+            return min(found, key=lambda one: (len(one), _moves(one)), default=[])
+    return []
 
 
 def _moves(configurations: list[Configuration]) -> int:
