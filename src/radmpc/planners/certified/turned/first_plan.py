@@ -79,8 +79,10 @@ def first_plan(
         found = _alone(task, alone)
         if found.controls:
             return found
-    if is_easy and not is_needed and not is_short and _gives_way(task, alone, clearance):
-        return FleetIncumbent()
+    if is_easy and not is_needed and not is_short:
+        is_apart, found = _given_way(task, alone, clearance, sets)
+        if is_apart:
+            return found
     from radmpc.planners.certified.turned.attempt import Begin  # noqa: PLC0415 - as below
     from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
 
@@ -125,7 +127,12 @@ def _paths_alone(task: Task, visits: GoodVisits | None) -> Paths | None:
 
 def _alone(task: Task, paths: Paths) -> FleetIncumbent:
     """Return what vehicles do by themselves, if that is certified: nothing is cheaper."""
-    controls, sets = tuple(paths.controls), tuple((i,) for i in range(task.hazards.count))
+    return _certified(task, paths, tuple((i,) for i in range(task.hazards.count)))
+
+
+def _certified(task: Task, paths: Paths, sets: tuple[tuple[int, ...], ...]) -> FleetIncumbent:
+    """Return paths as a plan, if the referee certifies them."""
+    controls = tuple(paths.controls)
     certified = task.judge(controls).certified
     if certified > task.risk_bound:
         return FleetIncumbent()
@@ -146,11 +153,21 @@ def _told_once(task: Task) -> Task:
     return replace(task, found=found)
 
 
-def _gives_way(task: Task, alone: Paths, clearance: float) -> bool:
-    """Whether vehicles keep apart at once, planned one after the other from their paths alone."""
+def _given_way(
+    task: Task, alone: Paths, clearance: float, sets: tuple[tuple[int, ...], ...]
+) -> tuple[bool, FleetIncumbent]:
+    """Tell whether vehicles keep apart at once, planned one after the other, and the plan if any.
+
+    The search finds a cheaper one soon, as a rule; it may take long.
+    """
     probe = SuccessiveLp(task.hazards, task.limits)
     probe.begin(alone.controls)
-    return probe.keep_apart(TUNING.narrower * clearance, TUNING.quick_sweeps)
+    if not probe.keep_apart(TUNING.narrower * clearance, TUNING.quick_sweeps):
+        return False, FleetIncumbent()
+    found = _certified(task, probe.paths, sets)
+    if not found.controls and probe.keep_apart(clearance, TUNING.quick_sweeps):
+        found = _certified(task, probe.paths, sets)
+    return True, found
 
 
 def _stopped(hazards: Hazards, paths: Paths) -> np.ndarray:
