@@ -28,6 +28,8 @@ class PriceControl:
         Relative difference of costs below which plans count as equal [-].
     rival : float
         Cost of the best plan known from elsewhere; inf where there is none.
+    impatience : float
+        Further factor per round that nothing has been certified for [-].
     num_stalls : int
         Rounds in a row that gained too little.
     """
@@ -36,6 +38,7 @@ class PriceControl:
     risk_bound: float
     gap: float
     rival: float = float("inf")
+    impatience: float = TUNING.impatience
     num_stalls: int = 0
     _num_rounds: int = 0
     _num_idle: int = 0
@@ -103,7 +106,7 @@ class PriceControl:
             self.price *= TUNING.nudge
         if is_over and self._safe is None:
             # The longer nothing is certified, the less it may cost to wait.
-            self.price *= TUNING.impatience ** (self._num_over - 1)
+            self.price *= self.impatience ** (self._num_over - 1)
         self.price = min(self.price, self._most)
         return None
 

@@ -214,7 +214,9 @@ class Turning:
             The best certified plan so far.
         """
         task, paths = self.task, self.successive.paths
-        control = PriceControl(self.price, task.risk_bound, task.gap, rival)
+        is_many = task.hazards.count > TUNING.few
+        impatience = TUNING.impatience_of_many if is_many else TUNING.impatience
+        control = PriceControl(self.price, task.risk_bound, task.gap, rival, impatience)
         self.successive.forget_all_but(self.groups)
         control.begin(self._take(), paths.cost(), paths.state())
         for number in range(rounds):
