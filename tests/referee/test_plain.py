@@ -10,8 +10,8 @@ from fleets import random_plan
 
 from radmpc.model.plan import Plan
 from radmpc.referee import certify
-from radmpc.referee.motion import propagate
-from radmpc.referee.plain import differing, exceeding_limits
+from radmpc.referee.claims.plain import differing, exceeding_limits
+from radmpc.referee.propagation import propagate
 
 TOLERANCE = 1e-6
 

@@ -14,7 +14,8 @@ from radmpc.referee.bound.parts import NUM_PARTS, part_sites
 from radmpc.referee.bound.persistence import path_charges
 from radmpc.referee.encounters import Encounters, interval_sites
 from radmpc.referee.gather import gather_obstacles, gather_pairs
-from radmpc.referee.motion import FleetMotion, FleetNoise, propagate
+from radmpc.referee.motion import FleetMotion
+from radmpc.referee.propagation import FleetNoise, propagate
 from radmpc.referee.sites import chords
 
 
@@ -83,6 +84,32 @@ def test_what_is_far_away_is_charged_no_less_than_a_closer_look_finds(seed, monk
         monkeypatch.undo()
         assert np.all(boxes >= closely * (1.0 - 1e-9))
         assert np.all(found <= closely + 1e-20)
+
+
+@pytest.mark.parametrize("at", [(0.0, 0.0), (0.9, 0.0), (1.1, 1.1), (1.25, 0.0), (1.8, 1.5)])
+def test_who_is_in_a_box_or_beside_it_is_charged_what_samples_hit(at):
+    covariance = np.array([[0.09, 0.02], [0.02, 0.01]])
+    box, radius = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]), 0.3
+    one = np.zeros(1, dtype=np.int64)
+    encounter = Encounters(
+        kind="obstacle",
+        first=one,
+        other=one,
+        piece=one,
+        means=np.array([[at]]),
+        covariances=covariance[None, None],
+        bent_covariances=None,
+        sagittas=np.zeros((1, 0, 2)),
+        radii=np.array([radius]),
+        vertices=box[None, None],
+        directions=np.vstack([np.eye(2), -np.eye(2)])[None],
+        edges=np.zeros((1, 1, 0, 2, 2)),
+    )
+    risk = bounds.instant_risks(encounter)[0, 0]
+    drawn = np.random.default_rng(3).multivariate_normal(at, covariance, 200_000)
+    beside = np.maximum(np.abs(drawn) - 1.0, 0.0)
+    rate = np.mean(np.linalg.norm(beside, axis=1) < radius)
+    assert risk == pytest.approx(rate, abs=5.0 * np.sqrt(rate * (1.0 - rate) / 200_000) + 1e-5)
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -21,11 +21,11 @@ from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass, replace
-from radmpc.referee.claims import cost_of, limit_problems
+from radmpc.referee.claims.claims import cost_of, limit_problems
+from radmpc.referee.claims.visits import time_to_come
 from radmpc.referee.conditional.conditional import Conditional, conditional, witnesses_of
 from radmpc.referee.conditional.rows import Witnesses
 from radmpc.referee.conditional.scales import Scale
-from radmpc.referee.visits import time_to_come
 
 __all__ = ["Leg", "Outlook", "leg_of", "miss_of"]
 

@@ -15,7 +15,7 @@ from radmpc.flying.tick import Contact
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
-from radmpc.referee.claims import shape_problems
+from radmpc.referee.claims.claims import shape_problems
 from radmpc.result import Result
 
 __all__ = [

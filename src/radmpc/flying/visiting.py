@@ -10,7 +10,7 @@ from radmpc.flying.remainder import changed
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import steps_visited
-from radmpc.referee.visits import arrival_step
+from radmpc.referee.claims.visits import arrival_step
 
 __all__ = ["still_due", "still_to_do"]
 

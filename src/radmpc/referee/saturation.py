@@ -12,8 +12,8 @@ from scipy.sparse import csr_array
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
+from radmpc.referee.claims.norms import norm_excess
 from radmpc.referee.motion import FleetMotion
-from radmpc.referee.norms import norm_excess
 from radmpc.referee.tails import exceeding
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def saturation_bound(scenario: Scenario, motion: FleetMotion, controls: Sequence
     for i, vehicle in enumerate(scenario.vehicles):
         limit = vehicle.control_limit + _LIMIT_TOL
         if vehicle.control_norm is not None:
-            from radmpc.referee.norms import saturation_of_norm  # noqa: PLC0415 - few have any
+            from radmpc.referee.claims.norms import saturation_of_norm  # noqa: PLC0415 - few have any
 
             seen = motion.seen[i][:-1]
             bounds[i] = saturation_of_norm(vehicle, controls[i], seen, _LIMIT_TOL, motion.samples)

@@ -18,8 +18,9 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import steps_visited
 from radmpc.records import dataclass, replace
 from radmpc.referee.bound.certificate import Certificate, certify
-from radmpc.referee.claims import shape_problems
-from radmpc.referee.motion import FleetMotion, propagate
+from radmpc.referee.claims.claims import shape_problems
+from radmpc.referee.motion import FleetMotion
+from radmpc.referee.propagation import propagate
 
 __all__ = ["Thinned", "thin"]
 

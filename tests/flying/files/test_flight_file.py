@@ -18,7 +18,7 @@ from radmpc.flying.recording.verifying import flight_problems
 from radmpc.io.flight.flight_file import FlightWriter, is_flight, load_flight
 from radmpc.io.flight.record import FlightRecord, FlightSettings, TickRow, Touch
 from radmpc.model.plan import Plan
-from radmpc.referee.claims import shape_problems
+from radmpc.referee.claims.claims import shape_problems
 
 KEPT = FlightSettings(replan=None, missions=2, seed=4)
 

@@ -33,7 +33,7 @@ from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.referee.conditional.scales import Scale
-from radmpc.referee.motion import propagate
+from radmpc.referee.propagation import propagate
 from radmpc.referee.sampling import Sampler
 from radmpc.referee.saturation import cutoffs
 

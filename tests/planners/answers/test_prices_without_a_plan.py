@@ -16,7 +16,7 @@ from radmpc.planners.presets import parse_planner
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.referee import Certificate, certify
-from radmpc.referee.motion import FleetNoise
+from radmpc.referee.propagation import FleetNoise
 
 SCENARIO = circle(4)
 HAZARDS = Hazards.of(SCENARIO, condensed_models(SCENARIO))

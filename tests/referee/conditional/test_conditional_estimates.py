@@ -24,7 +24,7 @@ from radmpc.referee.conditional import loops
 from radmpc.referee.conditional.conditional import conditional, witnesses_of
 from radmpc.referee.conditional.gusts import Gusts
 from radmpc.referee.gather import gather_pairs
-from radmpc.referee.motion import propagate
+from radmpc.referee.propagation import propagate
 from sampling import IS_THOROUGH
 
 KINDS = ("steps", "intervals")

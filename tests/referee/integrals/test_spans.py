@@ -20,7 +20,8 @@ from radmpc.referee.conditional.conditional import conditional, witnesses_of
 from radmpc.referee.conditional.scales import Scale
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.gather import gather_obstacles, gather_pairs
-from radmpc.referee.motion import FleetMotion, propagate
+from radmpc.referee.motion import FleetMotion
+from radmpc.referee.propagation import propagate
 
 HORIZON = 32
 

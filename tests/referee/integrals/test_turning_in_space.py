@@ -20,7 +20,7 @@ from radmpc.referee import certify
 from radmpc.referee.bound import intervals
 from radmpc.referee.encounters import interval_sites
 from radmpc.referee.gather import gather_obstacles
-from radmpc.referee.motion import propagate
+from radmpc.referee.propagation import propagate
 
 
 def beside_a_turning_solid(seed: int, *, feedback: bool) -> Plan:

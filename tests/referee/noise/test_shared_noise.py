@@ -22,7 +22,7 @@ from radmpc.program.relaxed.instants import Instants, Part
 from radmpc.referee import certify, simulate
 from radmpc.referee.bound.parts import part_sites
 from radmpc.referee.gather import gather_pairs
-from radmpc.referee.motion import propagate
+from radmpc.referee.propagation import propagate
 
 MISSIONS = 4_000
 GUST = np.vstack([0.5 * np.eye(2), np.eye(2)])

@@ -23,7 +23,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Goal
 from radmpc.model.workspace import Workspace
 from radmpc.referee import certify, simulate
-from radmpc.referee.motion import propagate
+from radmpc.referee.propagation import propagate
 from radmpc.referee.sampling import Sampler
 from radmpc.referee.tails import cutoff_of, exceeding
 

@@ -17,7 +17,7 @@ from radmpc.io.ranges import PLAN_FORMAT
 from radmpc.io.text.document import read_document
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
-from radmpc.referee.claims import shape_problems
+from radmpc.referee.claims.claims import shape_problems
 
 __all__ = ["run_draw"]
 

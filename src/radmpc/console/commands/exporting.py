@@ -23,7 +23,7 @@ from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass
 from radmpc.referee import Certificate, Thinned, certify, thin
-from radmpc.referee.claims import shape_problems
+from radmpc.referee.claims.claims import shape_problems
 
 __all__ = ["ExportRequest", "run_export"]
 

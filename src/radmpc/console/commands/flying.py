@@ -23,7 +23,7 @@ from radmpc.io.flight.record import FlightRecord, FlightSettings
 from radmpc.model.plan import Plan
 from radmpc.planners.presets import parse_planner
 from radmpc.records import dataclass
-from radmpc.referee.claims import shape_problems
+from radmpc.referee.claims.claims import shape_problems
 
 __all__ = ["FlyRequest", "run_fly"]
 

@@ -10,7 +10,7 @@ from radmpc.flying.deciding import opened
 from radmpc.io.flight.record import FlightRecord, FlownMission, TickRow
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
-from radmpc.referee.claims import planned_effort
+from radmpc.referee.claims.claims import planned_effort
 from radmpc.referee.simulation.simulation import Simulation
 
 __all__ = ["FlightSummary", "summary_of"]

@@ -10,7 +10,7 @@ from radmpc.errors import ScenarioError
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.cures.variants import LIMIT_FACTORS
-from radmpc.referee.motion import propagate
+from radmpc.referee.propagation import propagate
 from radmpc.referee.saturation import saturation_bound
 
 __all__ = ["saturation_cure"]

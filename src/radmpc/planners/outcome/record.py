@@ -18,7 +18,7 @@ from radmpc.planners.outcome.trajectories import cost_of, covariances_of, trajec
 from radmpc.planners.planner import Planner
 from radmpc.planners.verdict import Verdict
 from radmpc.referee.bound.certificate import Certificate, judged
-from radmpc.referee.motion import FleetNoise
+from radmpc.referee.propagation import FleetNoise
 from radmpc.version import __version__
 
 __all__ = ["Certifying", "plan_of"]

@@ -143,10 +143,14 @@ def instant_risks(encounters: Encounters) -> Matrix:
 
 
 def _box_risks(encounters: Encounters) -> Matrix:
-    """Return the risk of half-spaces across the lines to the boxes around the sets, (B, T+1)."""
+    """Return the risk of half-spaces across the lines to the boxes around the sets, (B, T+1).
+
+    1 where means are within the radius of a box: a closer look tells.
+    """
     lower, upper = encounters.vertices.min(axis=2), encounters.vertices.max(axis=2)
     beside = np.maximum(lower - encounters.means, encounters.means - upper)
     distances = np.linalg.norm(np.maximum(beside, 0.0), axis=2) - encounters.radii[:, None]
-    # The trace is no less than the largest variance.
+    # The trace is no less than the largest variance, which bounds risks of half-spaces that hold.
     deviations = np.sqrt(np.trace(encounters.covariances, axis1=2, axis2=3))
-    return exceeding(in_deviations(distances, deviations), encounters.samples)
+    held = exceeding(in_deviations(distances, deviations), encounters.samples)
+    return np.where(distances > 0.0, held, 1.0)

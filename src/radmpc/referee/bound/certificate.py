@@ -13,9 +13,10 @@ from radmpc.records import dataclass
 from radmpc.referee.bound.bounds import step_risks
 from radmpc.referee.bound.charging import Account, total_risk
 from radmpc.referee.bound.workspace import workspace_risks
-from radmpc.referee.claims import claim_problems, limit_problems, shape_problems
+from radmpc.referee.claims.claims import claim_problems, limit_problems, shape_problems
 from radmpc.referee.gather import Gathered, gather_obstacles, gather_pairs
-from radmpc.referee.motion import FleetMotion, FleetNoise
+from radmpc.referee.motion import FleetMotion
+from radmpc.referee.propagation import FleetNoise
 from radmpc.referee.saturation import saturation_bound
 from radmpc.referee.tails import cutoff_of
 

@@ -16,7 +16,7 @@ from radmpc.referee.bound.persistence import best_shares
 from radmpc.referee.bound.planar import grown_polygon_risks
 from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
 from radmpc.referee.bound.workspace import WORTH, faces_of
-from radmpc.referee.claims import shape_problems
+from radmpc.referee.claims.claims import shape_problems
 from radmpc.referee.conditional.choices import (
     Choice,
     during,
@@ -37,7 +37,8 @@ from radmpc.referee.conditional.tables import TimedRows, all_integrals, at_steps
 from radmpc.referee.conditional.valuing import are_sharp
 from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
 from radmpc.referee.gather import gather_obstacles, gather_pairs
-from radmpc.referee.motion import FleetMotion, propagate
+from radmpc.referee.motion import FleetMotion
+from radmpc.referee.propagation import propagate
 from radmpc.referee.reserve import in_deviations
 from radmpc.referee.tails import exceeding
 

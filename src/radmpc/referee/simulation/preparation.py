@@ -9,8 +9,8 @@ import numpy as np
 from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
-from radmpc.referee.claims import shape_problems
-from radmpc.referee.motion import propagate
+from radmpc.referee.claims.claims import shape_problems
+from radmpc.referee.propagation import propagate
 from radmpc.referee.sampling import Sampler
 from radmpc.referee.saturation import cutoffs, may_saturate, saturation_bound
 from radmpc.referee.simulation.flight import SampledFleet

@@ -146,7 +146,7 @@ class SuccessiveLp:
         penalty = first_penalty
         order, is_still = range(self.hazards.count), np.zeros(self.hazards.count, dtype=bool)
         # Where other attempts follow, what misses that much is left to them.
-        hopeless = TUNING.most_missed * float(self.hazards.radii.sum())
+        most_missed = TUNING.most_missed * float(self.hazards.radii.sum())
         is_quick = max_sweeps <= TUNING.quick_sweeps
         for number in range(max_sweeps):
             for i in order:
@@ -168,7 +168,7 @@ class SuccessiveLp:
             least = min(least, missed)
             if missed > _MISSED and num_stuck >= TUNING.stuck:
                 return False
-            if is_quick and number >= TUNING.telling and missed > hopeless:
+            if is_quick and number >= TUNING.telling and missed > most_missed:
                 return False
             penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
         return float(self.missed.sum()) <= _MISSED

@@ -8,6 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.narrow.closeness import closeness
 from radmpc.planners.certified.turned.narrow.track import Closeness, Track, track
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
@@ -151,6 +152,6 @@ class Pacing:
         path, key = self._placed[other], (id(each), other)
         known = self._known.get(key)
         if known is None or not np.array_equal(known[0], path):
-            known = path, each.closeness(self._hazards, other, path, self._clearance)
+            known = path, closeness(self._hazards, each, other, path, self._clearance)
             self._known[key] = known
         return known[1]

@@ -10,8 +10,8 @@ import numpy.typing as npt
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.plan import Plan, Status, Trajectory
 from radmpc.model.vehicle import Vehicle
+from radmpc.referee.claims.plain import differing, exceeding_limits, is_beyond
 from radmpc.referee.motion import FleetMotion
-from radmpc.referee.plain import differing, exceeding_limits, is_beyond
 
 __all__ = ["claim_problems", "cost_of", "limit_problems", "planned_effort", "shape_problems"]
 
@@ -160,7 +160,7 @@ def cost_of(plan: Plan) -> float:
     if per_step == 0.0:
         return effort
     pairs = zip(plan.scenario.vehicles, plan.trajectories, strict=True)
-    from radmpc.referee.visits import arrival_step  # noqa: PLC0415 - few pay for time
+    from radmpc.referee.claims.visits import arrival_step  # noqa: PLC0415 - few pay for time
 
     free = [(v, t.means) for v, t in pairs if v.goal.within is not None]
     return effort + per_step * sum(arrival_step(v, means) for v, means in free)
@@ -217,12 +217,12 @@ def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
         problems += _excess(vehicle.name, "control", trajectory.controls, bounds, 0)
         problems += _arrival_problems(vehicle, motion.states[i])
         if vehicle.control_norm is not None or vehicle.speed_norm is not None:
-            from radmpc.referee.norms import norm_problems  # noqa: PLC0415 - few have any
+            from radmpc.referee.claims.norms import norm_problems  # noqa: PLC0415 - few have any
 
             seen = motion.seen[i][:-1]
             problems += norm_problems(vehicle, motion.states[i], trajectory.controls, seen)
         if vehicle.via or vehicle.goal.within is not None:
-            from radmpc.referee.visits import arrival_problems, visit_problems  # noqa: PLC0415 - few have any
+            from radmpc.referee.claims.visits import arrival_problems, visit_problems  # noqa: PLC0415 - few have any
 
             problems += visit_problems(vehicle, motion.states[i])
             problems += arrival_problems(vehicle, motion.states[i])

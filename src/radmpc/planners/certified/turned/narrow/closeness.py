@@ -1,0 +1,68 @@
+"""Where on its track a vehicle would be near another that is placed, and what that costs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.planners.certified.turned.narrow.track import Closeness, Track
+from radmpc.program.hazards import Hazards
+
+__all__ = ["closeness"]
+
+
+def closeness(
+    hazards: Hazards, each: Track, other: int, path: Matrix, clearance: float
+) -> Closeness:
+    """Return what it costs on a track to be near another vehicle.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    each : Track
+        The track.
+    other : int
+        Who that is.
+    path : (T+1, 2) array
+        Where it is at each step [m].
+    clearance : float
+        Standard deviations to keep [-]; one is kept at any cost.
+    """
+    i, places, most = each.vehicle, each.places, each.num_displacements
+    variance = hazards.variances[i].max() + hazards.variances[other].max()
+    spread = float(np.sqrt(variance / hazards.dimension))
+    touching = float(hazards.radii[i] + hazards.radii[other])
+    apart = touching + clearance * spread
+    longest = most * float(np.linalg.norm(places[1] - places[0]))
+    moved = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    near, step = _near(places, path, apart + longest + moved)
+    ends = np.minimum(near[:, None] + np.arange(most), len(places) - 1)
+    begin = places[near] - path[step]
+    # By axes: arrays of pairs, and sums over two numbers each, take three times as long.
+    end = [places[:, axis][ends] - path[step + 1, axis][:, None] for axis in (0, 1)]
+    distance = np.hypot(*(_closest(begin, end) if hazards.intervals else end))
+    lack = each.price * np.maximum(apart - distance, 0.0)
+    lack[distance < touching + spread] = np.inf
+    # Four fifths of what may be near is not, whatever the move, and all of it is kept for long.
+    costs_any = lack.any(axis=1)
+    return step[costs_any], near[costs_any], lack[costs_any]
+
+
+def _near(places: Matrix, path: Matrix, reaches: Vector) -> tuple[Indices, Indices]:
+    """Return the places and steps, (c,) each, at which a path is within reach of a place."""
+    aside = [places[:, None, axis] - path[:-1, axis] for axis in (0, 1)]
+    near, step = np.nonzero(np.square(aside[0]) + np.square(aside[1]) < np.square(reaches))
+    return near, step
+
+
+def _closest(begin: Matrix, end: Sequence[Matrix]) -> list[Matrix]:
+    """Return the place nearest to the origin on the way of each move, by axes, (c, m) each."""
+    start = [begin[:, axis][:, None] for axis in (0, 1)]
+    along = [last - first for first, last in zip(start, end, strict=True)]
+    square = np.square(along[0]) + np.square(along[1])
+    ahead = -(start[0] * along[0] + start[1] * along[1])
+    share = np.clip(ahead / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
+    return [first + share * way for first, way in zip(start, along, strict=True)]

@@ -1,0 +1,1 @@
+"""What plans state and keep: shapes, means, costs, limits, goals and visits."""
