@@ -8,7 +8,7 @@ from fleets import random_plan
 
 from radmpc.model.plan import Plan
 from radmpc.referee import certify
-from radmpc.referee.bound import bounds, search
+from radmpc.referee.bound import bounds
 from radmpc.referee.bound.certificate import judged
 from radmpc.referee.bound.parts import NUM_PARTS, part_sites
 from radmpc.referee.bound.persistence import path_charges
@@ -79,7 +79,6 @@ def test_what_is_far_away_is_charged_no_less_than_a_closer_look_finds(seed, monk
         boxes = bounds._box_risks(batch)
         assert np.all(found <= np.minimum(boxes, 1.0))
         monkeypatch.setattr(bounds, "_FAR", -1.0)
-        monkeypatch.setattr(search, "_FAR", -1.0)
         closely = bounds.instant_risks(batch)
         monkeypatch.undo()
         assert np.all(boxes >= closely * (1.0 - 1e-9))

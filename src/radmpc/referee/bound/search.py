@@ -16,10 +16,6 @@ __all__ = ["NEGLIGIBLE", "best_directions", "closest_directions"]
 NEGLIGIBLE = 1e-15
 """Risk of a half-space below which no better one is searched for [-]."""
 
-_FAR = 1e-24
-"""Risk across the line of centers below which faces are not tried [-]: all such sites of a thousand
-vehicles among a hundred obstacles add up to less than anybody asks for."""
-
 _TELLING = 1e-10
 """Risk above which directions across the chord are tried, too [-]: few sites, a tenth of the
 time."""
@@ -40,12 +36,10 @@ def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix,
         Sites per encounter.
     """
     gaps = sites.means.mean(axis=1)[:, None] - _centers(sites.vertices)
-    best, risks = _cheapest(sites, unit(gaps.mean(axis=1, keepdims=True)))
-    # Most are so far away that any direction will do.
-    near = np.flatnonzero(risks > _FAR)
-    if near.size:
-        tried = np.concatenate([common[near // repeats], best[near, None]], axis=1)
-        best[near], risks[near] = _cheapest(sites.take(near), tried)
+    tried = np.concatenate(
+        [np.repeat(common, repeats, axis=0), unit(gaps.mean(axis=1, keepdims=True))], axis=1
+    )
+    best, risks = _cheapest(sites, tried)
     worth = np.flatnonzero(risks > NEGLIGIBLE)
     if not worth.size:
         return best, risks
