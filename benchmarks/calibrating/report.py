@@ -252,7 +252,9 @@ def _slack(plans: Sequence[Trial]) -> list[str]:
         found = [t for t in _of(plans, avoidance) if t.overlap_joint >= _LEAST_HITS]
         rows += [(f"{avoidance}: {name}", [factor(t) for t in found]) for name, factor in factors]
     lines += [*_table(rows), ""]
+    # An encounter that surely happens is charged once, however many steps it lasts.
     flat = [t for t in _of(plans, "steps") if t.dimension == 2 and t.overlap_events > 0]
+    flat = [t for t in flat if t.certified < 1.0]
     pairs = [t for t in flat if t.certified_obstacle == t.certified_workspace == 0.0]
     lines += _pooled("Steps in the plane", flat) + _pooled("Of these, pairs alone", pairs)
     return lines

@@ -11,6 +11,7 @@ import pytest
 from radmpc import Goal, Scenario, Vehicle, certify, double_integrator, import_scenario, plan
 from radmpc.experiments.families import circle, paper
 from radmpc.model.obstacle import Obstacle
+from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.turned import attempts as making
 from radmpc.planners.certified.turned.detours import detours
 from radmpc.planners.certified.turned.narrow.prioritized import prioritized
@@ -229,3 +230,13 @@ def test_what_no_attempt_keeps_is_not_tried_again_and_again(monkeypatch):
     assert found.is_certified
     assert 1 < len(missed) <= 3
     assert missed[0] > 0.05  # of the clearance [m]: else there was nothing to give up
+
+
+def test_who_gives_way_at_once_has_a_certified_plan_before_the_search(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(PriceSearch, "run", lambda *_: pytest.fail("there is a plan already"))
+    scenario = replace(circle(3), avoidance="intervals")
+    result = first_plan(scenario, time_limit=30.0)
+    assert result.plan is not None
+    assert certify(result.plan).holds

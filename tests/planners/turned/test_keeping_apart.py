@@ -15,6 +15,7 @@ from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import reached_by
 from radmpc.planners.certified.turned.successive import SuccessiveLp
+from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
@@ -96,3 +97,21 @@ def _seen(successive: SuccessiveLp, j: int) -> np.ndarray:
     near = Near(CLEARANCE, reach, is_refined=False)
     spaces = half_spaces(successive.hazards, successive.paths, (j,), near)
     return np.hstack([spaces.second[:, None], spaces.windows[:, None], spaces.normals])
+
+
+def test_a_quick_attempt_that_misses_too_much_after_four_sweeps_is_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    successive = alone(circle(6))
+    planned = Counter[int]()
+
+    def plan(i: int, *_: float) -> None:
+        planned[i] += 1
+        successive.missed[i] = 3.0 * 0.8 ** planned[i] * successive.hazards.radii[i]
+
+    monkeypatch.setattr(successive, "plan_alone", plan)
+    assert not successive.keep_apart(CLEARANCE, TUNING.quick_sweeps)
+    assert set(planned.values()) == {TUNING.telling + 1}
+    planned.clear()
+    assert not successive.keep_apart(CLEARANCE, TUNING.max_sweeps)
+    assert set(planned.values()) == {TUNING.max_sweeps}

@@ -12,6 +12,7 @@ from grid_worlds import cells
 
 from radmpc import certify, import_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.turned.narrow import knots
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.joint_search import joint_search
 from radmpc.planners.certified.turned.narrow.knots import joint_routes
@@ -25,6 +26,8 @@ from running import first_plan
 
 INSTANCES = Path(__file__).parents[3] / "instances"
 CROWD = INSTANCES / "libMultiRobotPlanning" / "map_32by32_obst204_agents20_ex3.yaml"
+
+KNOT = CROWD.parent / "map_8by8_obst12_agents12_ex96.yaml"
 
 
 def never() -> bool:
@@ -187,6 +190,44 @@ def test_a_bay_lets_two_swap_where_no_order_of_priority_does(tmp_path: Path) -> 
     assert max(route[:, 1].max() for route in routes.values()) > 1.2
     result = first_plan(scenario, time_limit=60.0)
     assert result.plan is not None
+    assert certify(result.plan).holds
+
+
+def test_of_joint_routes_drawn_the_shortest_is_taken_whatever_other_draws_come_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hazards = hazards_of(corridor_with_a_bay(tmp_path))
+    clear = Clear.of(hazards)
+    assert clear is not None
+    lengths = iter((43, 0, 21, 0, 37, *([0] * 100)))
+    monkeypatch.setattr(knots, "joint_search", lambda *_: [(0, 1)] * next(lengths))
+    routes = joint_routes(hazards, clear, np.random.default_rng(0), never)
+    assert {len(route) for route in routes.values()} == {21}
+
+
+def test_joint_routes_that_take_a_long_search_are_found_after_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hazards = hazards_of(corridor_with_a_bay(tmp_path))
+    clear = Clear.of(hazards)
+    assert clear is not None
+
+    def searched(*given: object) -> list[tuple[int, ...]]:
+        most = given[3]
+        assert isinstance(most, int)
+        return [(0, 1)] * 9 if most > 1000 else []
+
+    monkeypatch.setattr(knots, "joint_search", searched)
+    assert joint_routes(hazards, clear, np.random.default_rng(0), never)
+
+
+@pytest.mark.slow
+def test_a_knot_of_twelve_is_undone_by_the_shortest_of_several_joint_routes() -> None:
+    result = first_plan(import_scenario(KNOT).scenario, time_limit=120.0)
+    assert result.plan is not None
+    assert result.plan.cost is not None
+    # The search alone finds a plan of 171, after 30 s.
+    assert result.plan.cost < 60.0
     assert certify(result.plan).holds
 
 

@@ -1,0 +1,50 @@
+"""What being near another vehicle costs on a track, move by move, against dense samples."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from radmpc.experiments.families import circle
+from radmpc.planners.certified.turned.narrow.closeness import closeness
+from radmpc.planners.certified.turned.narrow.track import Track
+from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
+
+CLEARANCE = 2.5
+
+
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+@pytest.mark.parametrize("seed", range(6))
+def test_every_move_costs_what_it_comes_too_near(avoidance: str, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    scenario = replace(circle(4), avoidance=avoidance)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    count, levels = 24, 3
+    turns = np.cumsum(rng.normal(0.0, 0.3, count))
+    places = np.cumsum(0.5 * np.column_stack([np.cos(turns), np.sin(turns)]), axis=0)
+    nothing = np.zeros((levels, levels, count))
+    each = Track(0, places, nothing.astype(int), nothing, 0, np.zeros(levels), 7.0)
+    path = places[rng.integers(count)] + np.cumsum(rng.normal(0.0, 0.6, (13, 2)), axis=0)
+    path[5] = path[4]
+    steps, near, lack = closeness(hazards, each, 2, path, CLEARANCE)
+    found = np.zeros((len(path) - 1, count, each.num_displacements))
+    found[steps, near] = lack
+    spread = np.sqrt((hazards.variances[0].max() + hazards.variances[2].max()) / 2)
+    touching = hazards.radii[0] + hazards.radii[2]
+    since = np.linspace(0.0, 1.0, 401)[:, None] if avoidance == "intervals" else np.ones((1, 1))
+    for k in range(len(path) - 1):
+        for place in range(count):
+            for length in range(each.num_displacements):
+                end = places[min(place + length, count - 1)]
+                mine = places[place] * (1.0 - since) + end * since
+                other = path[k] * (1.0 - since) + path[k + 1] * since
+                least = np.linalg.norm(mine - other, axis=1).min()
+                wanted = 7.0 * max(touching + CLEARANCE * spread - least, 0.0)
+                told = found[k, place, length]
+                if least < touching + spread - 1e-3:
+                    assert np.isinf(told)
+                elif least > touching + spread + 1e-3:
+                    assert told == pytest.approx(wanted, abs=0.02)
