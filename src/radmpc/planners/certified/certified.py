@@ -24,6 +24,8 @@ from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
+from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Solver, relative_gap
@@ -76,11 +78,13 @@ class Certified(Decomposition):
             With a lower bound on the cost, and the shadow price of Δ, where there is a plan.
         """
         begun = time.perf_counter()
-        ruled_out = sure_why_not(scenario, run.limits)
+        models = condensed_models(scenario)
+        ruled_out = sure_why_not(scenario, models, run.limits)
         if ruled_out is not None:
             return _empty(scenario, ruled_out, begun)
+        hazards = Hazards.of(scenario, models)
         result = searched(
-            scenario, planner, run, self.proof_seconds, is_persistent=self.is_persistent
+            scenario, hazards, planner, run, self.proof_seconds, is_persistent=self.is_persistent
         )
         has_any = result.state.has_plan or result.first.controls
         if result.answer is not None and not has_any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from itertools import product
 
 import numpy as np
@@ -127,10 +127,8 @@ class Shapes:
         known = self.covariances.get(name)
         return box.covariance if known is None else box.covariance + known
 
-    def near(
-        self, box: Box, radius: float, far: float, names: Collection[str]
-    ) -> dict[str, list[Polytope]]:
-        """Return the pieces that a vehicle in a box may hit.
+    def near(self, box: Box, radius: float, far: float) -> dict[str, list[Polytope]]:
+        """Return the pieces that a vehicle in a box may hit, whether they concern it or not.
 
         Parameters
         ----------
@@ -140,18 +138,13 @@ class Shapes:
             Of the vehicle [m].
         far : float
             Standard deviations beyond which nothing is to be feared [-].
-        names : collection of str
-            The obstacles that concern it.
 
         Returns
         -------
         dict of str to list of Polytope
             By obstacle.
         """
-        # Deviations of two add up to less than their sum.
-        more = {name: _deviation(matrix) for name, matrix in self.covariances.items()}
-        spreads = box.spread + np.array([more.get(owner, 0.0) for owner in self.owners])
-        reach = radius + far * spreads + 1e-6
+        reach = radius + far * self._spreads(box) + 1e-6
         gaps = np.maximum(np.maximum(self.lower - box.upper, box.lower - self.upper), 0.0)
         close = np.linalg.norm(gaps, axis=1) < reach
         if np.count_nonzero(close) == 1:
@@ -161,6 +154,13 @@ class Shapes:
             close &= np.linalg.norm(gaps, axis=2).max(axis=0) < reach
         found: dict[str, list[Polytope]] = defaultdict(list)
         for k in np.flatnonzero(close).tolist():
-            if self.owners[k] in names:
-                found[self.owners[k]].append(self.pieces[k])
+            found[self.owners[k]].append(self.pieces[k])
         return found
+
+    def _spreads(self, box: Box) -> Vector | float:
+        """Return how far a vehicle in a box and each piece stray from each other, (p,) [m]."""
+        if not self.covariances:
+            return box.spread
+        # Deviations of two add up to less than their sum.
+        more = {name: _deviation(matrix) for name, matrix in self.covariances.items()}
+        return box.spread + np.array([more.get(owner, 0.0) for owner in self.owners])

@@ -169,13 +169,19 @@ def _of_vehicle(
     scenario: Scenario, i: int, box: Box, shapes: Shapes, *, at_goal: bool
 ) -> tuple[list[EndpointHazard], float]:
     """Return what one vehicle risks at an endpoint, hazard by hazard and in all."""
+    radius = scenario.vehicles[i].radius
+    close = shapes.near(box, radius, far_of(scenario))
+    if not close and scenario.workspace is None:
+        # As of most vehicles in a large fleet.
+        return [], 0.0
     cells = _CELLS[scenario.dimension] if at_goal else 1
     points = box.corners(cells)
-    radius = scenario.vehicles[i].radius
     hazards: list[EndpointHazard] = []
     fields: list[Vector] = []
     mine = {obstacle.name for obstacle in met_by(scenario.obstacles, scenario.vehicles[i].name)}
-    for name, near in shapes.near(box, radius, far_of(scenario), mine).items():
+    for name, near in close.items():
+        if name not in mine:
+            continue
         # Pieces of one obstacle are one hazard: the worst of them is a bound on their union.
         covariance = shapes.covariance(name, box)
         found = [charges(scenario, points, covariance, radius, piece) for piece in near]

@@ -22,7 +22,6 @@ from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
 from radmpc.planners.certified.turned.first_plan import first_plan
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.planner import Planner, Run
-from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import Limits
@@ -70,6 +69,7 @@ class SearchResult:
 
 def searched(
     scenario: Scenario,
+    hazards: Hazards,
     planner: Planner,
     run: Run,
     proof_seconds: float | None,
@@ -80,7 +80,11 @@ def searched(
 
     Parameters
     ----------
-    scenario, planner, run
+    scenario : Scenario
+        The fleet.
+    hazards : Hazards
+        What its vehicles keep clear of.
+    planner, run
         As in `Decomposition.plan`.
     proof_seconds, is_persistent
         As in `Certified`.
@@ -91,7 +95,6 @@ def searched(
         Where no time was left after the first plan, that one, or none.
     """
     begin = limits_of_search(run.limits)
-    hazards = Hazards.of(scenario, condensed_models(scenario))
     is_tight = _is_tight(scenario)
     first = _first(scenario, planner.gap, run, begin, hazards, is_needed=is_tight)
     fleet = _fleet(scenario, planner.gap, run, begin, hazards, first.cost)
