@@ -10,6 +10,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.joint_search import Configuration, joint_search
+from radmpc.planners.certified.turned.narrow.shortening import shortened
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
@@ -66,29 +67,32 @@ def _shortest(
     rng: np.random.Generator,
     is_stopped: Callable[[], bool],
 ) -> list[Configuration]:
-    """Return the solution of fewest ticks of those drawn, of these that of fewest moves.
+    """Return the solution of fewest ticks of those drawn and shortened, then that of fewest moves.
 
     Short solutions are found soon or not at all: long searches end with long ones.
     """
+    found: list[list[Configuration]] = []
     for configurations, enough in ((TUNING.soon, TUNING.joint_draws), (TUNING.configurations, 4)):
-        found: list[list[Configuration]] = []
+        found = []
         for _ in range(TUNING.joint_draws):
             drawn = joint_search(neighbors, *ends, configurations, rng, is_stopped)
             found += [drawn] if drawn else []
             if is_stopped() or len(found) >= enough:
                 break
         if found or is_stopped():
-            return min(found, key=lambda one: (len(one), _moves(one)), default=[])
-    return []
+            break
+    found = sorted(found, key=_length)[: TUNING.shortened]
+    return min((shortened(neighbors, one, TUNING.passes) for one in found), key=_length, default=[])
 
 
-def _moves(configurations: list[Configuration]) -> int:
-    """Return how often anybody moves to another node."""
-    return sum(
+def _length(configurations: list[Configuration]) -> tuple[int, int]:
+    """Return how many ticks there are, and how often anybody moves to another node."""
+    moves = sum(
         here != there
         for before, after in pairwise(configurations)
         for here, there in zip(before, after, strict=True)
     )
+    return len(configurations), moves
 
 
 def _lattice(places: Matrix, least: float) -> tuple[float, Vector]:

@@ -69,6 +69,10 @@ class Tuning:
         Configurations that each draw looks at, at most, as long as any has a solution [-]. Of 12 to
         15 vehicles on 52 nodes half of the draws have one by then, and hardly any that comes later
         is shorter; the shortest has a third of the longest's ticks.
+    shortened : int
+        Of these, how many are made shorter [-].
+    passes : int
+        Times that every vehicle is routed anew for that, at most [-].
     configurations : int
         Configurations that are looked at, at most [-]: 12 vehicles take 0.3 ms each.
     """
@@ -96,6 +100,8 @@ class Tuning:
     lattice_nodes: int = 4000
     joint_draws: int = 40
     soon: int = 300
+    shortened: int = 4
+    passes: int = 4
     configurations: int = 3000
 
 
