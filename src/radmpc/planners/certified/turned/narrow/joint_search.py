@@ -14,7 +14,7 @@ import numpy as np
 
 from radmpc.records import dataclass, field
 
-__all__ = ["Configuration", "joint_search"]
+__all__ = ["Configuration", "edges_to", "joint_search"]
 
 _UNREACHED = 1 << 30
 """Distance of nodes from which a goal is out of reach [edges]."""
@@ -75,7 +75,7 @@ def joint_search(
     list of tuple of int
         One per tick, the starts first; empty where none was found.
     """
-    distances = [_distances(neighbors, goal) for goal in goals]
+    distances = [edges_to(neighbors, goal) for goal in goals]
     if any(d[start] >= _UNREACHED for d, start in zip(distances, starts, strict=True)):
         return []
     proposals = _Proposals(neighbors, distances, rng)
@@ -131,8 +131,16 @@ def _ordered(priorities: Sequence[float]) -> tuple[int, ...]:
     return tuple(sorted(range(len(priorities)), key=lambda i: -priorities[i]))
 
 
-def _distances(neighbors: Neighbors, goal: int) -> list[int]:
-    """Return how many edges each node is from a goal."""
+def edges_to(neighbors: Neighbors, goal: int) -> list[int]:
+    """Return how many edges each node is from a goal.
+
+    Parameters
+    ----------
+    neighbors : sequence of sequence of int
+        Nodes next to each node.
+    goal : int
+        The node.
+    """
     found = [_UNREACHED] * len(neighbors)
     found[goal] = 0
     queue = deque([goal])

@@ -9,7 +9,11 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.narrow.clear import Clear
-from radmpc.planners.certified.turned.narrow.joint_search import Configuration, joint_search
+from radmpc.planners.certified.turned.narrow.joint_search import (
+    Configuration,
+    edges_to,
+    joint_search,
+)
 from radmpc.planners.certified.turned.narrow.shortening import shortened
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
@@ -82,7 +86,10 @@ def _shortest(
         if found or is_stopped():
             break
     found = sorted(found, key=_length)[: TUNING.shortened]
-    return min((shortened(neighbors, one, TUNING.passes) for one in found), key=_length, default=[])
+    longest = max(edges_to(neighbors, goal)[start] for start, goal in zip(*ends, strict=True))
+    if found and len(found[0]) > TUNING.winding * longest:
+        found = [shortened(neighbors, one, TUNING.passes) for one in found]
+    return min(found, key=_length, default=[])
 
 
 def _length(configurations: list[Configuration]) -> tuple[int, int]:
