@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from grid_worlds import cells
 
 from radmpc import certify, import_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.turned.attempt import Attempt
 from radmpc.planners.certified.turned.narrow import knots
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.joint_search import joint_search
@@ -22,6 +24,7 @@ from radmpc.planners.certified.turned.narrow.routes import shortest_routes
 from radmpc.planners.certified.turned.narrow.track import track
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
+from radmpc.solvers.solution import Limits
 from running import first_plan
 
 INSTANCES = Path(__file__).parents[3] / "instances"
@@ -220,6 +223,31 @@ def test_joint_routes_that_take_a_long_search_are_found_after_all(
 
     monkeypatch.setattr(knots, "joint_search", searched)
     assert joint_routes(hazards, clear, np.random.default_rng(0), never)
+
+
+@pytest.mark.slow
+def test_where_one_joint_solution_leads_to_no_plan_others_are_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn, apart, missed = [], Attempt.keep_apart, count(10)
+
+    def counted(*given: object) -> Mapping[int, np.ndarray]:
+        drawn.append(given)
+        return joint_routes(*given)  # type: ignore[arg-type]
+
+    def late(attempt: Attempt, clearance: float, limits: Limits) -> bool:
+        if len(drawn) > 2:
+            return apart(attempt, clearance, limits)
+        # Never alike, which would be turned.
+        attempt.turning.successive.missed[:] = next(missed)
+        return False
+
+    monkeypatch.setattr(knots, "joint_routes", counted)
+    monkeypatch.setattr(Attempt, "keep_apart", late)
+    result = first_plan(corridor_with_a_bay(tmp_path), time_limit=60.0)
+    assert len(drawn) == 3
+    assert result.plan is not None
+    assert certify(result.plan).holds
 
 
 @pytest.mark.slow

@@ -83,23 +83,18 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
         # Among obstacles full clearance forces wide bends, and turning shares risk better.
         clearances.reverse()
     allowed = TUNING.nearly * max(float(radii.mean()), TUNING.nearly_each * float(radii.sum()))
-    least, closest = np.inf, begun
     for kept in clearances:
         if attempt.is_placed:
             successive.restore(begun)
         is_apart = attempt.keep_apart(kept, limits)
         missed = float(successive.missed.sum())
-        if missed < least:
-            least, closest = missed, successive.paths.state()
         if is_apart or missed <= allowed:
             found = attempt.run()
             if found.controls:
                 return missed, found
         if missed > TUNING.most_missed * float(radii.sum()):
             break
-    # Without any plan, the attempt that missed least is turned after all.
-    successive.restore(closest)
-    return least, FleetIncumbent()
+    return missed, FleetIncumbent()
 
 
 def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
@@ -199,12 +194,15 @@ def _kept_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Itera
     if placed and clear is not None and pacing is not None:
         pacing.offer(pulled_routes(hazards, clear, placed, clearance))
         yield from _paced(begin, pacing, pacing.run(tuple(placed), is_stopped), limits)
-    if clear is not None and pacing is not None and not limits.reached:
+    for _ in range(TUNING.joint_attempts):
+        if clear is None or pacing is None or limits.reached:
+            break
         joint = joint_routes(hazards, clear, rng.spawn(1)[0], is_stopped)
-        if joint:
-            pacing.offer(pulled_routes(hazards, clear, joint, clearance))
-            places = {i: evenly(route, hazards.horizon) for i, route in joint.items()}
-            yield from _paced(begin, pacing, pacing.mend(places, is_stopped), limits)
+        if not joint:
+            break
+        pacing.offer(pulled_routes(hazards, clear, joint, clearance))
+        places = {i: evenly(route, hazards.horizon) for i, route in joint.items()}
+        yield from _paced(begin, pacing, pacing.mend(places, is_stopped), limits)
     if placed:
         in_order = {i: path[::ticks] for i, path in placed.items()}
         yield Attempt(begin.referring(in_order), TUNING.max_sweeps)

@@ -84,6 +84,9 @@ class Tuning:
     attempts : int
         Times of routes around obstacles that a first plan is tried with, at most [-]: each takes
         0.1 to 0.5 s for three to eight vehicles.
+    joint_attempts : int
+        Times that everyone is moved together tick by tick, drawn anew, until that leads to a plan
+        [-]: one robot of twenty that is stopped in one of them is not in the next.
     arches : tuple of float
         How far everyone keeps to the right of its straight route in other beginnings than that one
         [largest radii]: `circle(16)` begins at 89.7 by the first, at 96.6 without.
@@ -231,6 +234,7 @@ class Tuning:
     short: float = 0.03
     short_by_highs: float = 0.25
     attempts: int = 8
+    joint_attempts: int = 3
     arches: tuple[float, ...] = (1.0, 5.0)
     most_arc: float = 4.0
     narrower: float = 0.7
