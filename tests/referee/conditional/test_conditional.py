@@ -14,8 +14,8 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Workspace
 from radmpc.referee import certify
+from radmpc.referee.bound import planar
 from radmpc.referee.conditional import conditional as module
-from radmpc.referee.conditional import valuing
 from radmpc.referee.conditional.conditional import conditional, conditionals, witnesses_of
 from radmpc.referee.conditional.rows import Witnesses
 
@@ -141,7 +141,7 @@ def test_integrals_valued_by_half_spaces_under_way_are_no_martingale(
         "conditional_missions.conditionals",
         lambda w, step, states, *_: start if states is None else conditionals(w, step, states),
     )
-    monkeypatch.setattr(valuing, "grown_polygon_risks", lambda *given: given[-1])
+    monkeypatch.setattr(planar, "grown_polygon_risks", lambda *given: given[-1])
     with pytest.raises(AssertionError, match="step"):
         check_martingale(witnesses, missions, steps=(1,))
 

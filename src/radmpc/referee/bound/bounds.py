@@ -19,9 +19,10 @@ from radmpc.referee.encounters import (
 )
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.reserve import in_deviations
+from radmpc.referee.sites import Sites
 from radmpc.referee.tails import exceeding
 
-__all__ = ["WindowHalfspaces", "instant_risks", "step_risks", "window_halfspaces"]
+__all__ = ["WindowHalfspaces", "instant_risks", "site_risks", "step_risks", "window_halfspaces"]
 
 _FAR = 1e-24
 """Risk across the line to a box around a set below which no other half-space is tried [-]: all such
@@ -120,26 +121,44 @@ def instant_risks(encounters: Encounters) -> Matrix:
     for begin in range(0, len(near), size):
         rows, steps = near[begin : begin + size].T
         sites = sites_at(encounters, rows, steps)
-        best, found = best_directions(sites, encounters.directions[rows], 1)
-        # The search tells apart what fails for certain: that is no probability.
-        found = np.minimum(found, 1.0)
-        worth = np.flatnonzero(found > NEGLIGIBLE)
-        # Integrals are of Gaussians.
-        if worth.size and encounters.samples is None and encounters.means.shape[2] == 2:
-            # Who meets nobody is not integrated.
-            from radmpc.referee.bound.planar import grown_polygon_risks  # noqa: PLC0415 - near pairs alone
-
-            close = sites.take(worth)
-            found[worth] = grown_polygon_risks(
-                close.means[:, 0],
-                close.covariances[:, 0],
-                close.vertices[:, 0],
-                close.radii,
-                best[worth],
-                found[worth],
-            )
+        found, _ = site_risks(sites, encounters.directions[rows])
         risks[rows, steps] = np.minimum(found, risks[rows, steps])
     return risks
+
+
+def site_risks(sites: Sites, directions: Tensor) -> tuple[Vector, Vector]:
+    """Return the risk at each site, (S,), and what the search says of its best half-space, (S,).
+
+    Parameters
+    ----------
+    sites : Sites
+        S of one end each.
+    directions : (S, C, d) array
+        That are tried.
+
+    Returns
+    -------
+    tuple of array
+        The smaller of the best half-space and, of a Gaussian in the plane, the exact probability;
+        the search tells apart what fails for certain, which is no probability.
+    """
+    best, risks = best_directions(sites, directions, 1)
+    found = np.minimum(risks, 1.0)
+    worth = np.flatnonzero(found > NEGLIGIBLE)
+    if worth.size and sites.samples is None and sites.means.shape[2] == 2:
+        # Who meets nobody is not integrated.
+        from radmpc.referee.bound.planar import grown_polygon_risks  # noqa: PLC0415 - near pairs alone
+
+        close = sites.take(worth)
+        found[worth] = grown_polygon_risks(
+            close.means[:, 0],
+            close.covariances[:, 0],
+            close.vertices[:, 0],
+            close.radii,
+            best[worth],
+            found[worth],
+        )
+    return found, risks
 
 
 def _box_risks(encounters: Encounters) -> Matrix:

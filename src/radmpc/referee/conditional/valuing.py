@@ -7,8 +7,8 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.records import dataclass
 from radmpc.referee.bound.bivariate import exceeds_alone
-from radmpc.referee.bound.planar import grown_polygon_risks
-from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
+from radmpc.referee.bound.bounds import site_risks
+from radmpc.referee.bound.search import NEGLIGIBLE
 from radmpc.referee.common import relative
 from radmpc.referee.conditional.loops import Loops, Since
 from radmpc.referee.conditional.rows import Flags, HalfspaceRows, IntegralRows, Parties
@@ -214,19 +214,7 @@ def _integrated(sites: Sites, directions: Tensor) -> tuple[Vector, Flags]:
 
     Without noise the best half-space is both: it tells whether the mean is in the set.
     """
-    best, risks = best_directions(sites, directions, 1)
-    found = np.minimum(risks, 1.0)
-    worth = np.flatnonzero(found > NEGLIGIBLE)
-    if worth.size:
-        close = sites.take(worth)
-        found[worth] = grown_polygon_risks(
-            close.means[:, 0],
-            close.covariances[:, 0],
-            close.vertices[:, 0],
-            close.radii,
-            best[worth],
-            found[worth],
-        )
+    found, risks = site_risks(sites, directions)
     return found, are_sharp(sites.covariances[:, 0], risks)
 
 
