@@ -8,6 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 WORKERS ?= 2
 OLDEST ?= .venv-oldest
 USER := build/user
+SANITIZED := build/sanitized
 INSTALLED := $(VENV)/.installed
 INSTALLED_DEV := $(VENV)/.installed-dev
 INSTALLED_SIMULATORS := $(VENV)/.installed-simulators
@@ -25,7 +26,7 @@ unexport PYTHONDONTWRITEBYTECODE
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve bundle page pictures coverage nightly oldest check quick still format lint package types \
+.PHONY: help demo serve bundle page pictures coverage nightly sanitize oldest check quick still format lint package types \
     quick-test floors docs test clean node
 
 help: ## list the targets
@@ -102,8 +103,25 @@ pictures: $(INSTALLED_DEV) page ## the pictures in docs/images and the gallery's
 
 nightly: export RADMPC_THOROUGH = 1
 nightly: export PYTEST_TIMEOUT = 3600
-nightly: $(INSTALLED_SIMULATORS) coverage oldest ## what takes too long: all cases, simulators, a hunt
+nightly: $(INSTALLED_SIMULATORS) coverage oldest sanitize ## what takes too long: all cases, simulators, a hunt
 	$(BIN)/python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs $(WORKERS) --out hunt.csv
+
+# A wrong index is heard where it happens, not where memory is freed long after. The loader wants the sanitizer before
+# all else, and Python its own memory where the sanitizer sees it.
+sanitize: $(INSTALLED_DEV) ## compiled code under the address sanitizer: its tests, a hunt, two maps
+	rm -rf $(SANITIZED) && mkdir -p $(SANITIZED) && cp -r src/radmpc $(SANITIZED)
+	cc -std=gnu11 -O2 -g -fno-omit-frame-pointer -ffp-contract=off -fsanitize=address,undefined \
+	    -fno-sanitize-recover=undefined -fPIC -shared -fvisibility=hidden \
+	    -I$$($(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("include"))') \
+	    src/radmpc/solvers/compiled/*.c -o $(SANITIZED)/radmpc/solvers/_compiled.abi3.so -lm
+	@set -e; export LD_PRELOAD="$$(cc -print-file-name=libasan.so) $$(cc -print-file-name=libubsan.so)" \
+	    ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc PYTHONPATH=$(SANITIZED); \
+	$(BIN)/pytest -p no:cacheprovider tests/solvers; \
+	$(BIN)/python benchmarks/hunt.py --scenes 100 --seed 1 --out $(SANITIZED)/hunt.csv; \
+	for problem in libMultiRobotPlanning/map_32by32_obst204_agents20_ex3.yaml lsc_planner/forest_20agents_3.json; do \
+	    $(BIN)/radmpc import instances/$$problem --output $(SANITIZED)/scenario.yaml > /dev/null; \
+	    $(BIN)/radmpc plan $(SANITIZED)/scenario.yaml --time-limit 30 --output $(SANITIZED)/plan.json > /dev/null; done
+	@echo 'make sanitize: nothing found'
 
 # The lowest versions that pyproject.toml allows of what it names; they may warn of what newer
 # releases of others have deprecated since. Only uv resolves to the lowest.

@@ -189,6 +189,28 @@ def test_an_unbounded_column_is_left_where_its_cost_wants_it() -> None:
 
 
 @pytest.mark.parametrize(
+    ("cost", "pivot"),
+    [(858830233.8216937, 1.3022701777491792), (93175190.14656098, 8.49379732888058)],
+)
+def test_a_ratio_that_is_rounded_down_enters_all_the_same(cost: float, pivot: float) -> None:
+    # Beside such a cost the tolerance is nothing: the least ratio times its pivot is below the cost.
+    assert (cost + 1e-9) / pivot * pivot < cost
+    lp = SimplexLp(np.array([1.0, cost]), np.zeros(2), np.ones(2))
+    lp.add_row(np.array([0, 1], dtype=np.int32), np.array([1e-12, pivot]), 1.0, np.inf)
+    number, bound = lp.compiled.solve(np.inf, 10)
+    assert number == 0
+    assert bound == pytest.approx(cost / pivot)
+    assert lp.point() == pytest.approx([0.0, 1.0 / pivot])
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_numbers_that_are_none_prove_nothing_and_break_nothing(wrong: float) -> None:
+    lp = SimplexLp(np.array([wrong, 1.0]), np.zeros(2), np.ones(2))
+    lp.add_row(np.array([0, 1], dtype=np.int32), np.array([1.0, wrong]), 1.0, np.inf)
+    assert lp.compiled.solve(np.inf, 10)[1] == -np.inf
+
+
+@pytest.mark.parametrize(
     ("call", "said"),
     [
         (lambda p: p.add_rows(ints(0, 1), ints(7), np.ones(1), np.ones(1), np.ones(1)), "column"),

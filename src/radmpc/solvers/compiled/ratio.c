@@ -86,15 +86,19 @@ int lp_choose_entering(Lp *lp, int count, double slope, int *num_passed) {
     int last = count;
     while (last > 0) {
         double least = INFINITY;
+        int first = -1;
         for (int c = 0; c < last; c++) {
             double ratio = (lp->candidate_ratio[c] + lp->tolerance) / lp->candidate_pivot[c];
-            if (ratio < least) least = ratio;
+            if (ratio < least) least = ratio, first = c;
         }
+        if (first < 0) return -1; /* no ratio is a number */
         int best = -1;
         for (int c = 0; c < last; c++)
             if (lp->candidate_ratio[c] <= least * lp->candidate_pivot[c] &&
                 (best < 0 || lp->candidate_pivot[c] > lp->candidate_pivot[best]))
                 best = c;
+        /* Beside large costs the tolerance is nothing, and a ratio times its pivot may be rounded down. */
+        if (best < 0) best = first;
         int index = lp->candidate[best];
         int row = index < 0 ? lp->active[-1 - index] : 0;
         double range = index < 0 ? lp->row_upper[row] - lp->row_lower[row]
