@@ -193,7 +193,7 @@ def test_an_unbounded_column_is_left_where_its_cost_wants_it() -> None:
     [(858830233.8216937, 1.3022701777491792), (93175190.14656098, 8.49379732888058)],
 )
 def test_a_ratio_that_is_rounded_down_enters_all_the_same(cost: float, pivot: float) -> None:
-    # Beside such a cost the tolerance is nothing: the least ratio times its pivot is below the cost.
+    # Beside such a cost the tolerance is nothing: the least ratio times its pivot is less.
     assert (cost + 1e-9) / pivot * pivot < cost
     lp = SimplexLp(np.array([1.0, cost]), np.zeros(2), np.ones(2))
     lp.add_row(np.array([0, 1], dtype=np.int32), np.array([1e-12, pivot]), 1.0, np.inf)

@@ -25,10 +25,16 @@ _TIGHT_FACTOR = 1.5
 _FEWEST_STEPS, _MOST_STEPS = 10, 30
 """Steps that are chosen: few leave too little choice, many multiply the program."""
 
-_MOST_OF_MANY, _MANY = 48, 25
-"""Steps at most for so many vehicles where some go around obstacles: of maps of 32 x 32 cells with
-30 to 60 robots, 5 of 16 get a plan within 25 s with 30 steps, 11 with 48. Up to 20 robots get one
-as soon with either."""
+_MORE_STEPS, _MOST_OF_MANY = 20, 72
+"""Steps at most where vehicles go around obstacles: so many more than vehicles, from 30 up to 72.
+In long steps, in which a robot passes two cells, paths miss corners and places to wait. On maps of
+32 x 32 cells 20 robots have their first plans after 1.4 to 3.7 s with 40 steps and after 1.6 to
+11.8 with 30 (seven maps), 40 robots after 5 to 17 s with 60, while one of five has none within 60 s
+with 48, and 80 robots after 20 and 44 s with 72, where they had none."""
+
+_MANY = 25
+"""Vehicles from which on steps are half as long where some go around obstacles: of 80 robots none
+get a plan within 60 s in steps of 1 m, in which they pass a cell each."""
 
 _STRIDE = 4.0
 """Radii per step at full speed: finer steps multiply the choices, not the room."""
@@ -43,8 +49,8 @@ def choose_steps(
 ) -> tuple[float, int]:
     """Return dt and horizon: steps of four radii at full speed where 10 to 30 of them allow.
 
-    Steps are half as long where paths are narrow or vehicles take turns: corners, and places to
-    wait, must fall on some. Where many vehicles go around obstacles, there are up to 48.
+    Steps are half as long where paths are narrow, vehicles take turns, or many go around obstacles:
+    corners, and places to wait, must fall on some. Such many take up to 72 steps.
 
     Parameters
     ----------
@@ -69,7 +75,9 @@ def choose_steps(
     is_tight = any(
         path.waiting > 0.0 or is_narrow(path, v) for v, path in zip(vehicles, paths, strict=True)
     )
-    stride = min(_STRIDE * v.radius / v.speed_limit for v in vehicles) * (0.5 if is_tight else 1.0)
+    goes_around = any(path.detour > 0.0 for path in paths)
+    is_fine = is_tight or (goes_around and len(vehicles) >= _MANY)
+    stride = min(_STRIDE * v.radius / v.speed_limit for v in vehicles) * (0.5 if is_fine else 1.0)
     straight = max(v.minimum_time() for v in vehicles)
     least = max(
         v.minimum_time() + path.detour / v.speed_limit + path.waiting
@@ -82,8 +90,9 @@ def choose_steps(
     elif options.dt is not None:
         horizon = min(max(math.ceil(duration / options.dt - 1e-9), 1), 1000)
     else:
-        is_crowded = len(vehicles) >= _MANY and any(path.detour > 0.0 for path in paths)
-        most = _MOST_OF_MANY if is_crowded else _MOST_STEPS
+        most = _MOST_STEPS
+        if goes_around:
+            most = max(most, min(len(vehicles) + _MORE_STEPS, _MOST_OF_MANY))
         horizon = min(max(math.ceil(duration / stride - 1e-9), _FEWEST_STEPS), most)
     dt = rounded_up(duration / horizon) if options.dt is None else float(options.dt)
     asked = " (as asked)"

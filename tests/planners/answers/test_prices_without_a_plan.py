@@ -42,6 +42,29 @@ def test_rounds_end_once_neither_moves_nor_risk_left_promise_anything() -> None:
     assert control.is_over
 
 
+def test_a_large_fleet_pays_twice_as_much_at_once_where_a_round_ends_just_above_the_bound() -> None:
+    usual, urgent = (
+        PriceControl(1.0, 0.05, 1e-3, is_urgent=is_urgent) for is_urgent in (False, True)
+    )
+    paths = Paths(HAZARDS).state()
+    for control in (usual, urgent):
+        control.begin(1.5, 320.0, paths)
+        control.follow(0.0526, 337.0, paths)
+    assert usual.price < 1.1
+    assert urgent.price == TUNING.urgency * usual.price
+
+
+def test_a_large_fleet_gives_up_a_start_whose_risk_does_not_fall_as_its_price_rises() -> None:
+    control = PriceControl(1.0, 0.05, 1e-3, is_urgent=True)
+    paths = Paths(HAZARDS).state()
+    control.begin(0.9, 60.0, paths)
+    for certified, cost in ((0.11, 63.0), (0.084, 60.0), (0.0765, 61.0), (0.0746, 66.0)):
+        control.follow(certified, cost, paths)
+        assert not control.is_over
+    control.follow(0.0764, 74.0, paths)
+    assert control.is_over
+
+
 def test_rounds_go_on_while_much_risk_is_left() -> None:
     control = PriceControl(10.0, 0.05, 1e-3)
     paths = Paths(HAZARDS).state()

@@ -163,6 +163,20 @@ def test_joint_ways_lead_everyone_to_the_goal_without_conflict(seed: int) -> Non
                 assert not (after[i] == before[j] and after[j] == before[i])
 
 
+@pytest.mark.parametrize("length", [4, 8, 12])
+def test_two_at_a_dead_end_change_places_where_the_passage_branches(length: int) -> None:
+    # From (0, 1) to (1, 0) on a line that ends in a fork: to the fork and back, and no detour.
+    edges = [(k, k + 1) for k in range(length)] + [(length - 1, length + 1)]
+    neighbors: list[list[int]] = [[] for _ in range(length + 2)]
+    for i, j in edges:
+        neighbors[i].append(j)
+        neighbors[j].append(i)
+    rng = np.random.default_rng(0)
+    found = joint_search(neighbors, (0, 1), (1, 0), 3 * length, rng, never)
+    assert len(found) == 2 * length
+    assert found[-1] == (1, 0)
+
+
 def test_a_joint_search_says_when_there_is_no_way() -> None:
     # A corridor of four nodes: nobody can let the other pass.
     neighbors = [[1], [0, 2], [1, 3], [2]]

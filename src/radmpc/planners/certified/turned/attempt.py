@@ -43,6 +43,8 @@ class Begin:
         Whether the first plan found will do, whatever others cost.
     is_quick : bool
         Whether that is not turned any further: the search will find a cheaper one, given time.
+    is_hard : bool
+        Whether it is turned to the end: the search is not expected to find a cheaper one soon.
     """
 
     task: Task
@@ -54,10 +56,13 @@ class Begin:
     to_choose: tuple[CondensedModel, ...] | None = None
     is_any: bool = False
     is_quick: bool = False
+    is_hard: bool = False
 
     def referring(self, places: Mapping[int, Matrix]) -> Turning:
         """Return half-spaces turned to given positions, for all others to their paths alone."""
-        turning = Turning(self.task, FleetIncumbent(), self.sets, self.price)
+        turning = Turning(
+            self.task, FleetIncumbent(), self.sets, self.price, is_patient=self.is_hard
+        )
         turning.successive.begin(self.alone.controls)
         for i, path in places.items():
             turning.successive.refer(i, path)
@@ -90,7 +95,8 @@ class Attempt:
 
     def run(self) -> FleetIncumbent:
         """Turn half-spaces at a price of risk; return the best plan, if any."""
-        found = self.turning.run(self.rounds)
+        rounds = TUNING.rounds if self.rounds and self.turning.is_patient else self.rounds
+        found = self.turning.run(rounds)
         return found if found.controls or self.rounds else self.turning.run(TUNING.first_rounds)
 
     def keep_apart(self, clearance: float, limits: Limits) -> bool:

@@ -56,14 +56,16 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     beginnings = _attempts(begin, rng, limits)
     for number, begun in enumerate(beginnings, start=1):
         attempt = replace(begun, rounds=0) if begin.is_quick else begun
-        missed, other = _turned(begin, attempt, limits)
+        missed, other, was_turned = _turned(begin, attempt, limits)
         is_alike = abs(missed - least) <= TUNING.alike * least < np.inf
-        if not other.controls and not is_known and is_alike:
+        if not (other.controls or is_known or was_turned) and is_alike:
             # What attempts miss alike, at a start or a goal, no other attempt will keep.
             other, is_known = attempt.run(), True
         found = min(found, other, key=lambda one: one.cost)
         if missed < least:
-            best, least = attempt, missed
+            # Turned again from where that ended, a large fleet takes seconds and comes no further.
+            is_spent = was_turned and hazards.count > TUNING.few
+            best, least = None if is_spent else attempt, missed
         # Asked before the next attempt, which takes time to prepare.
         if limits.reached or (found.controls and number >= num_sides):
             break
@@ -74,13 +76,18 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     return best.run()
 
 
-def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, FleetIncumbent]:
-    """Keep vehicles apart at full clearance or less, then turn half-spaces; return the miss."""
+def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, FleetIncumbent, bool]:
+    """Keep vehicles apart at full clearance or less, then turn half-spaces.
+
+    Return what is missed, the plan if any, and whether half-spaces were turned at a price at all.
+    """
     radii, successive = begin.task.hazards.radii, attempt.turning.successive
     begun = successive.paths.state()
-    clearances = [begin.clearance, TUNING.narrower * begin.clearance]
-    if begin.routes and not begin.is_quick:
-        # Among obstacles full clearance forces wide bends, and turning shares risk better.
+    clearances, was_turned = [begin.clearance, TUNING.narrower * begin.clearance], False
+    is_maze = bool(begin.routes) and begin.task.hazards.count > TUNING.few
+    if begin.routes and not begin.is_quick and not is_maze:
+        # Among obstacles full clearance forces wide bends, and turning shares risk better; in large
+        # fleets it takes seconds, and paths with full clearance are nearly certified before it.
         clearances.reverse()
     allowed = TUNING.nearly * max(float(radii.mean()), TUNING.nearly_each * float(radii.sum()))
     for kept in clearances:
@@ -88,13 +95,16 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
             successive.restore(begun)
         is_apart = attempt.keep_apart(kept, limits)
         missed = float(successive.missed.sum())
-        if is_apart or missed <= allowed:
-            found = attempt.run()
+        is_hopeful = is_apart or missed <= allowed
+        if is_hopeful and is_maze and kept == begin.clearance:
+            is_hopeful = attempt.turning.certified() <= TUNING.close * begin.task.risk_bound
+        if is_hopeful:
+            found, was_turned = attempt.run(), True
             if found.controls:
-                return missed, found
+                return missed, found, True
         if missed > TUNING.most_missed * float(radii.sum()):
             break
-    return missed, FleetIncumbent()
+    return missed, FleetIncumbent(), was_turned
 
 
 def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
@@ -219,5 +229,9 @@ def _paced(
     few = TUNING.misses * float(begin.task.hazards.radii.mean())
     missing = np.flatnonzero(turning.successive.missed > few).tolist()
     if missing and not limits.reached:
-        finer = begin.referring(pacing.refine(missing, lambda: limits.reached))
-        yield Attempt(finer, TUNING.paced_sweeps, TUNING.paced_penalty, is_placed=True)
+        finer = pacing.refine(missing, lambda: limits.reached)
+        if all(np.array_equal(finer[i], places[i]) for i in missing):
+            return
+        yield Attempt(
+            begin.referring(finer), TUNING.paced_sweeps, TUNING.paced_penalty, is_placed=True
+        )

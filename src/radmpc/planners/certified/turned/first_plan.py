@@ -63,13 +63,15 @@ def first_plan(
     alone = _paths_alone(task, visits)
     if alone is None or task.limits.reached:
         return FleetIncumbent()
-    share = TUNING.first_share * task.risk_bound / hazards.count
-    clearance = float(hazards.tail.clearance_for(min(share, CONVEX_RISK)))
-    stopped = _stopped(hazards, alone)
-    sets = _meeting(hazards, alone, clearance)
-    largest, is_large = max(len(members) for members in sets), hazards.count > TUNING.few
-    is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
+    stopped, is_large = _stopped(hazards, alone), hazards.count > TUNING.few
     is_blocked = stopped.size > (TUNING.stopped * hazards.count if is_large else 0)
+    is_maze = is_large and is_blocked
+    first_share = TUNING.first_share_in_mazes if is_maze else TUNING.first_share
+    share = first_share * task.risk_bound / hazards.count
+    clearance = float(hazards.tail.clearance_for(min(share, CONVEX_RISK)))
+    sets = _meeting(hazards, alone, clearance)
+    largest = max(len(members) for members in sets)
+    is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
     is_easy = not (is_crowded or is_blocked)
     # A large fleet's first round may take all the time there is, and end without a plan.
     is_short = is_large and _is_short(task)
@@ -87,7 +89,8 @@ def first_plan(
     from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
 
     # Risk counts for more than effort at first: a falling price stays near what is certified.
-    price *= TUNING.first_dear * alone.cost() / task.risk_bound
+    dear = TUNING.first_dear_in_mazes if is_maze else TUNING.first_dear
+    price *= dear * alone.cost() / task.risk_bound
     routes = _routes(task, alone, stopped, clearance)
     is_aside = is_easy and not (is_needed or is_short)
     time_share = TUNING.easy_share if is_aside else TUNING.first_time_share
@@ -96,7 +99,8 @@ def first_plan(
     is_any = is_easy and is_needed
     to_choose = None if visits is None else visits.to_choose
     is_quick = is_easy and is_short
-    begin = Begin(task, alone, routes, sets, price, clearance, to_choose, is_any, is_quick)
+    is_hard = bool(routes) and largest >= TUNING.many
+    begin = Begin(task, alone, routes, sets, price, clearance, to_choose, is_any, is_quick, is_hard)
     return tried(begin, rng, task.limits.within(seconds))
 
 

@@ -28,8 +28,8 @@ class PriceControl:
         Relative difference of costs below which plans count as equal [-].
     rival : float
         Cost of the best plan known from elsewhere; inf where there is none.
-    impatience : float
-        Further factor per round that nothing has been certified for [-].
+    is_urgent : bool
+        Whether rounds take so long that a first plan is worth more than a cheap one.
     num_stalls : int
         Rounds in a row that gained too little.
     """
@@ -38,7 +38,7 @@ class PriceControl:
     risk_bound: float
     gap: float
     rival: float = float("inf")
-    impatience: float = TUNING.impatience
+    is_urgent: bool = False
     num_stalls: int = 0
     _num_rounds: int = 0
     _num_idle: int = 0
@@ -106,7 +106,8 @@ class PriceControl:
             self.price *= TUNING.nudge
         if is_over and self._safe is None:
             # The longer nothing is certified, the less it may cost to wait.
-            self.price *= self.impatience ** (self._num_over - 1)
+            waited = self._num_over if self.is_urgent else self._num_over - 1
+            self.price *= (TUNING.urgency if self.is_urgent else TUNING.impatience) ** waited
         self.price = min(self.price, self._most)
         return None
 
@@ -136,13 +137,20 @@ class PriceControl:
         self._last_certified, self._last_cost = self.risk_bound, float("inf")
         return paths
 
+    @property
+    def _is_waiting(self) -> bool:
+        """Whether a certificate that hardly falls as the price rises is not worth more rounds."""
+        return self.is_urgent and self._safe is None
+
     def _is_little(self, certified: float, cost: float) -> bool:
         """Whether a round gained too little."""
         little = TUNING.enough * self.gap * abs(cost)
         is_same = abs(self._last_cost - cost) < little
         if certified > self.risk_bound:
             is_far = certified > TUNING.close * self.risk_bound
-            return (is_same or is_far) and certified > TUNING.less * self._last_certified
+            return (
+                is_same or is_far or self._is_waiting
+            ) and certified > TUNING.less * self._last_certified
         if certified < TUNING.spent * self.risk_bound:
             # The price is still falling.
             return is_same

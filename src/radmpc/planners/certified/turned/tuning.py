@@ -16,9 +16,8 @@ class Tuning:
     Attributes
     ----------
     rounds : int
-        Turns at most [-], twice as many from a plan that risks too much. The families of the
-        benchmarks take 5 to 20 and mostly stop when little is gained; the first few often exceed Δ
-        and are lost.
+        Turns at most [-], twice as many from a plan that risks too much. The benchmarks' families
+        take 5 to 20; the first few often exceed Δ and are lost.
     most_solves, least_rounds : int
         Solves of groups after which no round is begun [-], but for so many rounds of all: large
         fleets gain little by the solve, and a count, unlike a clock, gives the same plan on any
@@ -50,8 +49,8 @@ class Tuning:
         first sweep, its factor from sweep to sweep, and at most [-]. Small at first, so that
         several vehicles share a detour instead of the first one making all of it.
     paced_penalty : float
-        The first of these where vehicles are placed at a pace that keeps them clear of each other
-        [-]: with a small one they leave it, and miss more in the end.
+        The first of these where vehicles are placed clear of each other [-]: with a small one they
+        leave their places, and miss more in the end.
     paced_sweeps : int
         Sweeps over those of them that miss anything, at most [-]; most attempts take two to six.
     misses : float
@@ -82,18 +81,16 @@ class Tuning:
     short_by_highs : float
         The same without compiled code [s]: the first round of `fleet(64)` takes 60 ms per vehicle.
     attempts : int
-        Times of routes around obstacles that a first plan is tried with, at most [-]: each takes
-        0.1 to 0.5 s for three to eight vehicles.
+        Times of routes around obstacles that a first plan is tried with [-]: 0.1 to 0.5 s each.
     joint_attempts : int
-        Times that everyone is moved together tick by tick, drawn anew, until that leads to a plan
-        [-]: one robot of twenty that is stopped in one of them is not in the next.
+        Times that everyone is moved together tick by tick, drawn anew [-].
     arches : tuple of float
         How far everyone keeps to the right of its straight route in other beginnings than that one
         [largest radii]: `circle(16)` begins at 89.7 by the first, at 96.6 without.
     most_arc : float
         How far routes lead past the straight one at most, when sides are drawn [largest radii].
     narrower : float
-        Share of the clearance that is kept where routes are too narrow for all of it [-].
+        Share of the clearance kept where routes are too narrow for all of it [-].
     nearly : float
         What paths may miss in all to be turned at a price of risk all the same [mean radii].
     nearly_each : float
@@ -111,10 +108,16 @@ class Tuning:
         Share of the horizon that the fastest route takes at most, when times are drawn [-].
     first_rounds : int
         Turns at a price of risk for a first plan, at most [-]; it is turned again after the search.
-    first_dear : float
-        Multiple of the first guess of the price at which these turns begin [-].
-    first_share : float
-        Share of Δ per vehicle that every half-space may risk in these sweeps [-].
+    first_dear, first_dear_in_mazes : float
+        Multiple of the first guess of the price at which these turns begin [-]; where obstacles
+        stop most of a large fleet.
+    first_share, first_share_in_mazes : float
+        Share of Δ per vehicle that every half-space may risk in these sweeps [-]; there: 60 robots
+        on 32 x 32 cells have first plans after 12 and 14 s with 0.2 and 6, not within 40 with 0.5
+        and 3. A swarm of 200 in the open becomes 4 % dearer.
+    patient_share : float
+        Share of the time left for which a first plan is turned where a search would be long [-]:
+        20 and 30 robots on 32 x 32 cells have plans cheaper by 5 to 14 % after 20 s.
     many : int
         Vehicles in each other's way from which on a first plan is made before sets are searched
         [-].
@@ -144,9 +147,8 @@ class Tuning:
         falling one does [-]: from a cheap price paths go far at once, and not back.
     impatience : float
         Further factor on the price for every round in a row above Δ, before any was certified [-].
-    impatience_of_many : float
-        The same in large fleets, whose rounds take a second each [-]: first plans of 40 and 50
-        robots on 32 x 32 cells come after 15 and 18 s instead of 19 and 24, and cost 2 % more.
+    urgency : float
+        The same in large fleets, whose rounds take seconds, from the first one above Δ on [-].
     lost : float
         Multiple of Δ from which on a certificate calls for going back to the last certified paths
         [-].
@@ -248,7 +250,10 @@ class Tuning:
     fastest: float = 0.95
     first_rounds: int = 8
     first_dear: float = 3.0
+    first_dear_in_mazes: float = 6.0
     first_share: float = 0.5
+    first_share_in_mazes: float = 0.2
+    patient_share: float = 0.7
     many: int = 5
     crowd: float = 0.125
     few: int = 24
@@ -261,7 +266,7 @@ class Tuning:
     most_rise: float = 30.0
     most_fall: float = 6.0
     impatience: float = 1.4
-    impatience_of_many: float = 2.0
+    urgency: float = 2.0
     lost: float = 8.0
     most_over: int = 5
     dearer: float = 4.0

@@ -22,6 +22,7 @@ from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
 from radmpc.records import dataclass, field, replace
+from radmpc.solvers.solution import Limits
 
 __all__ = ["Turning", "plan_by_turning", "turn_half_spaces", "turn_to"]
 
@@ -170,6 +171,8 @@ class Turning:
         Solves of groups so far.
     is_partial : bool
         Whether vehicles are held that pay for risk where they are.
+    is_patient : bool
+        Whether a share of the time may be taken, whatever work that is.
     """
 
     task: Task
@@ -181,6 +184,7 @@ class Turning:
     risk: float = 0.0
     num_solves: int = 0
     is_partial: bool = False
+    is_patient: bool = False
 
     def __post_init__(self) -> None:
         """Choose who shares a linear program."""
@@ -215,12 +219,12 @@ class Turning:
         """
         task, paths = self.task, self.successive.paths
         is_many = task.hazards.count > TUNING.few
-        impatience = TUNING.impatience_of_many if is_many else TUNING.impatience
-        control = PriceControl(self.price, task.risk_bound, task.gap, rival, impatience)
+        control = PriceControl(self.price, task.risk_bound, task.gap, rival, is_many)
         self.successive.forget_all_but(self.groups)
         control.begin(self._take(), paths.cost(), paths.state())
+        some = task.limits.within(TUNING.patient_share * task.limits.seconds_left)
         for number in range(rounds):
-            if task.limits.reached or control.is_over or self._has_spent(number):
+            if task.limits.reached or control.is_over or self._has_spent(number, some):
                 break
             self.price = control.price
             self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
@@ -235,10 +239,16 @@ class Turning:
                 self.successive.restore(back)
         return self.incumbent
 
-    def _has_spent(self, number: int) -> bool:
-        """Whether so many rounds took all the work that turning may take."""
+    def certified(self) -> float:
+        """Return the certificate of the latest paths [-]."""
+        return self.task.judge(tuple(self.successive.paths.controls)).certified
+
+    def _has_spent(self, number: int, some: Limits) -> bool:
+        """Whether so many rounds took all the work, or all the time, that turning may take."""
         if number < TUNING.least_rounds or not self.incumbent.controls:
             return False  # without any plan, the next round may lead to one
+        if self.is_patient:
+            return some.reached
         if self.incumbent.certified < TUNING.unspent * self.task.risk_bound:
             return False  # the price is still too high, and the next round is cheaper
         most_work = max(TUNING.most_work, TUNING.work_each * self.task.hazards.count)

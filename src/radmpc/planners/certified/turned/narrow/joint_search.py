@@ -2,7 +2,8 @@
 
 LaCAM (Okumura 2023): a depth-first search over configurations, the nodes of all vehicles at a tick,
 that adds who must go where lazily. Configurations are proposed by priority inheritance with
-backtracking (PIBT, Okumura et al. 2022). It finds a solution if there is any and time allows.
+backtracking (PIBT, Okumura et al. 2022), with swaps in narrow passages (`swapping`). It finds a
+solution if there is any and time allows.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from radmpc.planners.certified.turned.narrow.swapping import Swapping
 from radmpc.records import dataclass, field
 
 __all__ = ["Configuration", "edges_to", "joint_search"]
@@ -169,6 +171,7 @@ class _Proposals:
         self, neighbors: Neighbors, distances: Sequence[Sequence[int]], rng: np.random.Generator
     ) -> None:
         self._neighbors, self._distances, self._rng = neighbors, distances, rng
+        self._swapping = Swapping(neighbors, distances)
         self._here: Configuration = ()
         self._at: dict[int, int] = {}
         self._next: list[int] = []
@@ -205,18 +208,28 @@ class _Proposals:
         here, distance = self._here[vehicle], self._distances[vehicle]
         nodes = [*self._neighbors[here], here]
         ties = self._rng.random(len(nodes)).tolist()
-        for _, _, node in sorted(
-            (distance[node] + (0.5 if node in self._at else 0.0), tie, node)
-            for node, tie in zip(nodes, ties, strict=True)
-        ):
+        costs = [distance[node] + (0.5 if node in self._at else 0.0) for node in nodes]
+        ordered = [node for _, _, node in sorted(zip(costs, ties, nodes, strict=True))]
+        pulled = self._swapping.partner(vehicle, self._here, self._next, self._at, ordered[0])
+        if pulled is not None:
+            costs = [cost - 2.0 * distance[node] for cost, node in zip(costs, nodes, strict=True)]
+            ordered = [node for _, _, node in sorted(zip(costs, ties, nodes, strict=True))]
+        for node in ordered:
             if not self._is_free(vehicle, node):
                 continue
             self._take(vehicle, node)
             other = self._at.get(node)
             if other is None or other == vehicle or self._next[other] >= 0 or self._move(other):
+                if pulled is not None and node == ordered[0] and self._next[pulled] < 0:
+                    self._pull(pulled, here)
                 return True
             # Nobody leaves that node: whoever inherited stays where it tried to go.
             if self._taken.get(node) == vehicle:
                 del self._taken[node]
         self._take(vehicle, here)
         return False
+
+    def _pull(self, vehicle: int, node: int) -> None:
+        """Have a vehicle follow to where another one leaves, if nobody else goes there."""
+        if self._is_free(vehicle, node):
+            self._take(vehicle, node)

@@ -76,20 +76,31 @@ def _shortest(
     Short solutions are found soon or not at all: long searches end with long ones.
     """
     found: list[list[Configuration]] = []
-    for configurations, enough in ((TUNING.soon, TUNING.joint_draws), (TUNING.configurations, 4)):
-        found = []
-        for _ in range(TUNING.joint_draws):
-            drawn = joint_search(neighbors, *ends, configurations, rng, is_stopped)
-            found += [drawn] if drawn else []
-            if is_stopped() or len(found) >= enough:
-                break
-        if found or is_stopped():
+    for drawn in range(TUNING.joint_draws):
+        found += _drawn(neighbors, ends, TUNING.soon, rng, is_stopped)
+        if is_stopped() or (drawn + 1 == TUNING.soon_draws and not found):
             break
+    for drawn in range(0 if found else TUNING.joint_draws):
+        if is_stopped() or (found and drawn >= TUNING.long_draws):
+            break
+        found += _drawn(neighbors, ends, TUNING.configurations, rng, is_stopped)
     found = sorted(found, key=_length)[: TUNING.shortened]
     longest = max(edges_to(neighbors, goal)[start] for start, goal in zip(*ends, strict=True))
     if found and len(found[0]) > TUNING.winding * longest:
         found = [shortened(neighbors, one, TUNING.passes) for one in found]
     return min(found, key=_length, default=[])
+
+
+def _drawn(
+    neighbors: list[list[int]],
+    ends: tuple[Configuration, Configuration],
+    configurations: int,
+    rng: np.random.Generator,
+    is_stopped: Callable[[], bool],
+) -> list[list[Configuration]]:
+    """Return the solution of one draw, if it has any among so many configurations."""
+    drawn = joint_search(neighbors, *ends, configurations, rng, is_stopped)
+    return [drawn] if drawn else []
 
 
 def _length(configurations: list[Configuration]) -> tuple[int, int]:

@@ -104,6 +104,8 @@ class Tuning:
     lattice_nodes: int = 4000
     joint_draws: int = 40
     soon: int = 300
+    soon_draws: int = 10
+    long_draws: int = 4
     winding: float = 1.3
     shortened: int = 4
     passes: int = 4
