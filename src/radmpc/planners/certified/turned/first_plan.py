@@ -66,9 +66,7 @@ def first_plan(
     stopped, is_large = _stopped(hazards, alone), hazards.count > TUNING.few
     is_blocked = stopped.size > (TUNING.stopped * hazards.count if is_large else 0)
     is_maze = is_large and is_blocked
-    first_share = TUNING.first_share_in_mazes if is_maze else TUNING.first_share
-    share = first_share * task.risk_bound / hazards.count
-    clearance = float(hazards.tail.clearance_for(min(share, CONVEX_RISK)))
+    clearance = _clearance(task, is_maze=is_maze)
     sets = _meeting(hazards, alone, clearance)
     largest = max(len(members) for members in sets)
     is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
@@ -88,13 +86,10 @@ def first_plan(
     from radmpc.planners.certified.turned.attempt import Begin  # noqa: PLC0415 - as below
     from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
 
-    # Risk counts for more than effort at first: a falling price stays near what is certified.
-    dear = TUNING.first_dear_in_mazes if is_maze else TUNING.first_dear
-    price *= dear * alone.cost() / task.risk_bound
+    price *= _dear(is_maze=is_maze) * alone.cost() / task.risk_bound
     routes = _routes(task, alone, stopped, clearance)
     is_aside = is_easy and not (is_needed or is_short)
-    time_share = TUNING.easy_share if is_aside else TUNING.first_time_share
-    seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
+    seconds = _seconds(task, is_aside=is_aside)
     # Where few meet, the relaxation tells the sides soon.
     is_any = is_easy and is_needed
     to_choose = None if visits is None else visits.to_choose
@@ -102,6 +97,24 @@ def first_plan(
     is_hard = bool(routes) and largest >= TUNING.many
     begin = Begin(task, alone, routes, sets, price, clearance, to_choose, is_any, is_quick, is_hard)
     return tried(begin, rng, task.limits.within(seconds))
+
+
+def _clearance(task: Task, *, is_maze: bool) -> float:
+    """Return how far vehicles keep apart at first [standard deviations]."""
+    first_share = TUNING.first_share_in_mazes if is_maze else TUNING.first_share
+    share = first_share * task.risk_bound / task.hazards.count
+    return float(task.hazards.tail.clearance_for(min(share, CONVEX_RISK)))
+
+
+def _dear(*, is_maze: bool) -> float:
+    """Return how much dearer risk begins: a falling price stays near what is certified."""
+    return TUNING.first_dear_in_mazes if is_maze else TUNING.first_dear
+
+
+def _seconds(task: Task, *, is_aside: bool) -> float:
+    """Return after how long no other attempt is begun [s]."""
+    time_share = TUNING.easy_share if is_aside else TUNING.first_time_share
+    return min(TUNING.first_seconds, time_share * task.limits.seconds_left)
 
 
 def _routes(task: Task, alone: Paths, stopped: np.ndarray, clearance: float) -> dict[int, Matrix]:
