@@ -117,7 +117,7 @@ class Tuning:
         and 3. A swarm of 200 in the open becomes 4 % dearer.
     patient_share : float
         Share of the time left for which a first plan is turned where a search would be long [-]:
-        20 and 30 robots on 32 x 32 cells have plans cheaper by 5 to 14 % after 20 s.
+        20 and 30 robots on 32 x 32 cells have plans cheaper by 5 to 14 % after 20 to 40 s.
     many : int
         Vehicles in each other's way from which on a first plan is made before sets are searched
         [-].
