@@ -55,9 +55,14 @@ class Row:
 
 
 def problems(seeds: int) -> Iterator[tuple[str, Scenario]]:
-    """Return names and scenarios, those of other groups as they import."""
+    """Return names and scenarios, those of other groups as they import.
+
+    The import chooses a map's steps, and a plan in other steps costs something else: its name says
+    how many there are.
+    """
     for name in IMPORTED:
-        yield Path(name).stem, import_scenario(INSTANCES / name).scenario
+        scenario = import_scenario(INSTANCES / name).scenario
+        yield Path(name).stem + (f", {scenario.horizon} steps" if "map_" in name else ""), scenario
     for count in (4, 8, 16):
         yield f"circle({count})", circle(count)
     for seed in range(seeds):
@@ -106,7 +111,7 @@ def told(row: Row, best: float | None) -> str:
     spent = f"{row.seconds[0]:7.2f} ({row.seconds[1]:6.2f})"
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / MEGABYTE
     if row.cost is None:
-        return f"{row.name:32} {row.status:>46} {spent} {memory:6.0f}"
+        return f"{row.name:40} {row.status:>46} {spent} {memory:6.0f}"
     seconds, work, cost = row.first or (*row.seconds, row.cost)
     ratio = f"{cost / best:6.3f}" if best else "      "
     gaps = [
@@ -114,7 +119,7 @@ def told(row: Row, best: float | None) -> str:
         for bound in (row.faces, row.on_any)
     ]
     return (
-        f"{row.name:32} {seconds:7.2f} ({work:6.2f}) {ratio} {row.cost:10.3f} {' '.join(gaps)} "
+        f"{row.name:40} {seconds:7.2f} ({work:6.2f}) {ratio} {row.cost:10.3f} {' '.join(gaps)} "
         f"{spent} {memory:6.0f}"
     )
 
@@ -130,7 +135,7 @@ def main() -> None:
     options = parser.parse_args()
     best: dict[str, float] = json.loads(BEST_KNOWN.read_text()) if BEST_KNOWN.exists() else {}
     print(
-        f"{'problem':32} {'first s (cpu)':>16} {'/best':>6} {'cost':>10} {'faces%':>6} "
+        f"{'problem':40} {'first s (cpu)':>16} {'/best':>6} {'cost':>10} {'faces%':>6} "
         f"{'any %':>6} {'all s (cpu)':>16} {'MB':>6}"
     )
     ratios = []

@@ -10,7 +10,7 @@ from radmpc.model.plan import Plan
 from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.price_control import PriceControl
-from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.planners.outcome import record
 from radmpc.planners.presets import parse_planner
 from radmpc.program.build import condensed_models
@@ -27,7 +27,7 @@ def test_a_price_that_never_helps_stays_finite() -> None:
     paths = Paths(HAZARDS).state()
     for number in range(1000):
         control.follow(0.5, 10.0 - 1e-3 * number, paths)
-    assert control.price == 2.0 * TUNING.dearest
+    assert control.price == 2.0 * PRICE_TUNING.dearest
 
 
 def test_rounds_end_once_neither_moves_nor_risk_left_promise_anything() -> None:
@@ -51,7 +51,7 @@ def test_a_large_fleet_pays_twice_as_much_at_once_where_a_round_ends_just_above_
         control.begin(1.5, 320.0, paths)
         control.follow(0.0526, 337.0, paths)
     assert usual.price < 1.1
-    assert urgent.price == TUNING.urgency * usual.price
+    assert urgent.price == PRICE_TUNING.urgency * usual.price
 
 
 def test_a_large_fleet_gives_up_a_start_whose_risk_does_not_fall_as_its_price_rises() -> None:
@@ -96,7 +96,7 @@ def test_rounds_that_swing_for_ever_end() -> None:
         certified, cost = ((0.065, 9.9), (0.03, 10.1))[rounds % 2]
         control.follow(certified, cost, paths, certified)
         rounds += 1
-    assert rounds == TUNING.most_idle
+    assert rounds == PRICE_TUNING.most_idle
 
 
 def test_a_certificate_just_above_the_bound_calls_for_a_higher_price_not_for_going_back() -> None:

@@ -8,6 +8,7 @@ from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.state.bounds import shadow_price
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
 from radmpc.records import replace
@@ -36,7 +37,7 @@ def improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, judge: Jud
         With the cheaper of the two.
     """
     searched, least = state.incumbent, float(sum(fleet.base))
-    if relative_gap(min(first.cost, searched.cost), least) > TUNING.negligible * fleet.gap:
+    if relative_gap(min(first.cost, searched.cost), least) > PRICE_TUNING.negligible * fleet.gap:
         from radmpc.planners.certified.turned.turning import turn_half_spaces  # noqa: PLC0415 - as below
 
         if state.has_plan:

@@ -16,6 +16,7 @@ from radmpc.planners.certified.turned.paths import (
     timed_anyhow,
     timed_by_visits,
 )
+from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Turning
@@ -97,7 +98,7 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
         missed = float(successive.missed.sum())
         is_hopeful = is_apart or missed <= allowed
         if is_hopeful and is_maze and kept == begin.clearance:
-            is_hopeful = attempt.turning.certified() <= TUNING.close * begin.task.risk_bound
+            is_hopeful = attempt.turning.certified() <= PRICE_TUNING.close * begin.task.risk_bound
         if is_hopeful:
             found, was_turned = attempt.run(), True
             if found.controls:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.planners.certified.turned.paths import SavedPaths
-from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.records import dataclass
 
 __all__ = ["PriceControl"]
@@ -52,7 +52,7 @@ class PriceControl:
 
     def __post_init__(self) -> None:
         """Bound the price: risk that costs so much more than effort is stuck, whatever it costs."""
-        self._most = TUNING.dearest * self.price
+        self._most = PRICE_TUNING.dearest * self.price
 
     def begin(self, certified: float, cost: float, paths: SavedPaths) -> None:
         """Take note of the paths that rounds begin with.
@@ -71,8 +71,8 @@ class PriceControl:
     @property
     def is_over(self) -> bool:
         """Whether nothing more is expected of another round."""
-        is_idle = self._safe is not None and self._num_idle >= TUNING.most_idle
-        return is_idle or self.num_stalls >= TUNING.max_stalls
+        is_idle = self._safe is not None and self._num_idle >= PRICE_TUNING.most_idle
+        return is_idle or self.num_stalls >= PRICE_TUNING.max_stalls
 
     def follow(
         self, certified: float, cost: float, paths: SavedPaths, risk: float = 0.0
@@ -94,27 +94,32 @@ class PriceControl:
         if not is_over:
             self._cheapest = min(self._cheapest, cost)
             self._safe = paths, self.price
-        is_lost = certified > TUNING.lost * self.risk_bound or self._num_over >= TUNING.most_over
-        is_lost |= is_little and certified > TUNING.nearly_spent * self.risk_bound
-        if is_lost and self._safe is not None and self._num_backs < TUNING.most_backs:
+        is_lost = (
+            certified > PRICE_TUNING.lost * self.risk_bound
+            or self._num_over >= PRICE_TUNING.most_over
+        )
+        is_lost |= is_little and certified > PRICE_TUNING.nearly_spent * self.risk_bound
+        if is_lost and self._safe is not None and self._num_backs < PRICE_TUNING.most_backs:
             return self._back(*self._safe)
         self._last_certified, self._last_cost = certified, cost
-        ratio = certified / (TUNING.aim * self.risk_bound)
-        ratio = float(np.clip(ratio, 1.0 / TUNING.most_fall, TUNING.most_rise))
-        self.price *= ratio**TUNING.damping
+        ratio = certified / (PRICE_TUNING.aim * self.risk_bound)
+        ratio = float(np.clip(ratio, 1.0 / PRICE_TUNING.most_fall, PRICE_TUNING.most_rise))
+        self.price *= ratio**PRICE_TUNING.damping
         if is_over and is_little and self._safe is not None:
-            self.price *= TUNING.nudge
+            self.price *= PRICE_TUNING.nudge
         if is_over and self._safe is None:
             # The longer nothing is certified, the less it may cost to wait.
             waited = self._num_over if self.is_urgent else self._num_over - 1
-            self.price *= (TUNING.urgency if self.is_urgent else TUNING.impatience) ** waited
+            self.price *= (
+                PRICE_TUNING.urgency if self.is_urgent else PRICE_TUNING.impatience
+            ) ** waited
         self.price = min(self.price, self._most)
         return None
 
     def _count(self, certified: float, cost: float, risk: float) -> None:
         """Take note of how much a round gained, and of what others could gain."""
         self._num_rounds += 1
-        little = TUNING.enough * self.gap * abs(cost)
+        little = PRICE_TUNING.enough * self.gap * abs(cost)
         self._num_idle += 1
         if certified > self.risk_bound:
             return
@@ -124,15 +129,15 @@ class PriceControl:
         worth = self.price * max(risk / max(certified, 1e-300), 1.0)
         moved = self._last_cost - cost - worth * (certified - self._last_certified)
         potential = abs(moved) + worth * (self.risk_bound - certified)
-        is_behind = cost - self.rival > TUNING.behind * potential
-        is_behind &= self._num_rounds >= TUNING.tried
-        if is_behind or potential <= TUNING.negligible * self.gap * abs(cost):
-            self._num_idle = TUNING.most_idle
+        is_behind = cost - self.rival > PRICE_TUNING.behind * potential
+        is_behind &= self._num_rounds >= PRICE_TUNING.tried
+        if is_behind or potential <= PRICE_TUNING.negligible * self.gap * abs(cost):
+            self._num_idle = PRICE_TUNING.most_idle
 
     def _back(self, paths: SavedPaths, price: float) -> SavedPaths:
         """Go on from certified paths at a higher price, the higher the more often."""
         self._num_backs, self._num_over, self.num_stalls = self._num_backs + 1, 0, 0
-        self.price = TUNING.dearer**self._num_backs * price
+        self.price = PRICE_TUNING.dearer**self._num_backs * price
         self._safe = paths, self.price
         self._last_certified, self._last_cost = self.risk_bound, float("inf")
         return paths
@@ -144,14 +149,14 @@ class PriceControl:
 
     def _is_little(self, certified: float, cost: float) -> bool:
         """Whether a round gained too little."""
-        little = TUNING.enough * self.gap * abs(cost)
+        little = PRICE_TUNING.enough * self.gap * abs(cost)
         is_same = abs(self._last_cost - cost) < little
         if certified > self.risk_bound:
-            is_far = certified > TUNING.close * self.risk_bound
+            is_far = certified > PRICE_TUNING.close * self.risk_bound
             return (
                 is_same or is_far or self._is_waiting
-            ) and certified > TUNING.less * self._last_certified
-        if certified < TUNING.spent * self.risk_bound:
+            ) and certified > PRICE_TUNING.less * self._last_certified
+        if certified < PRICE_TUNING.spent * self.risk_bound:
             # The price is still falling.
             return is_same
         return self._cheapest - cost < little

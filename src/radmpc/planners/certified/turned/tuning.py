@@ -17,7 +17,8 @@ class Tuning:
     ----------
     rounds : int
         Turns at most [-], twice as many from a plan that risks too much. The benchmarks' families
-        take 5 to 20; the first few often exceed Δ and are lost.
+        take 5 to 20 and mostly stop when little is gained; the first few often exceed Δ and are
+        lost.
     most_solves, least_rounds : int
         Solves of groups after which no round is begun [-], but for so many rounds of all: large
         fleets gain little by the solve, and a count, unlike a clock, gives the same plan on any
@@ -49,8 +50,8 @@ class Tuning:
         first sweep, its factor from sweep to sweep, and at most [-]. Small at first, so that
         several vehicles share a detour instead of the first one making all of it.
     paced_penalty : float
-        The first of these where vehicles are placed clear of each other [-]: with a small one they
-        leave their places, and miss more in the end.
+        The first of these where vehicles are placed at a pace that keeps them clear of each other
+        [-]: with a small one they leave it, and miss more in the end.
     paced_sweeps : int
         Sweeps over those of them that miss anything, at most [-]; most attempts take two to six.
     misses : float
@@ -81,9 +82,11 @@ class Tuning:
     short_by_highs : float
         The same without compiled code [s]: the first round of `fleet(64)` takes 60 ms per vehicle.
     attempts : int
-        Times of routes around obstacles that a first plan is tried with [-]: 0.1 to 0.5 s each.
+        Times of routes around obstacles that a first plan is tried with, at most [-]: each takes
+        0.1 to 0.5 s for three to eight vehicles.
     joint_attempts : int
-        Times that everyone is moved together tick by tick, drawn anew [-].
+        Times that everyone is moved together tick by tick, drawn anew, until that leads to a plan
+        [-]: one robot of twenty that is stopped in one of them is not in the next.
     arches : tuple of float
         How far everyone keeps to the right of its straight route in other beginnings than that one
         [largest radii]: `circle(16)` begins at 89.7 by the first, at 96.6 without.
@@ -140,54 +143,8 @@ class Tuning:
         all at most [-].
     same_side : float
         Cosine between the half-spaces of two plans above which they pass on the same side [-].
-    aim : float
-        Share of Δ that the certificate is to come to at the next price [-].
-    most_rise, most_fall : float
-        Ratio of certificate to aim that a rising price follows at most, and its inverse that a
-        falling one does [-]: from a cheap price paths go far at once, and not back.
-    impatience : float
-        Further factor on the price for every round in a row above Δ, before any was certified [-].
-    urgency : float
-        The same in large fleets, whose rounds take seconds, from the first one above Δ on [-].
-    lost : float
-        Multiple of Δ from which on a certificate calls for going back to the last certified paths
-        [-].
-    most_over : int
-        Rounds in a row above Δ, certified before, that call for the same [-].
-    dearer : float
-        Factor on the price when going back [-].
-    most_backs : int
-        Times of going back at most [-].
     most_ratio : float
         Certificates that half-spaces' risks may sum to, to tell a price by [-]; mostly 1 to 10.
-    dearest : float
-        Multiple of the first price that no price exceeds [-].
-    damping : float
-        Power of the ratio of certificate to aim that the price follows [-]: risk falls a little
-        faster than in proportion.
-    enough : float
-        Share of the gap below which a round gains too little to go on [-].
-    spent : float
-        Share of Δ below which a certificate calls for a lower price before gains are counted [-].
-    nearly_spent : float
-        Multiple of Δ up to which a certificate above it, of a round that gained too little, calls
-        for a higher price instead of going back [-].
-    nudge : float
-        Further factor on the price then [-].
-    negligible : float
-        Share of the gap that another round must promise [-].
-    behind, tried : float, int
-        Multiple of what another round promises by which plans from elsewhere may be cheaper [-],
-        after so many rounds.
-    most_idle : int
-        Rounds in a row without a better certified plan, after which none follows [-]:
-        `circle(4)` swings between two vertices for ever.
-    max_stalls : int
-        Rounds in a row that gain too little, after which none follows [-].
-    less : float
-        Share of the last certificate that a round must come below while far above Δ [-].
-    close : float
-        Multiple of Δ up to which a certificate above it is left for the price to repair [-].
     dear : float
         Multiple of the first price at which turning begins from a plan that risks too much [-].
     time_share, seconds, most_time_share : float
@@ -262,29 +219,7 @@ class Tuning:
     compared: float = 6.5
     idle: float = 0.01
     same_side: float = 0.3
-    aim: float = 0.985
-    most_rise: float = 30.0
-    most_fall: float = 6.0
-    impatience: float = 1.4
-    urgency: float = 2.0
-    lost: float = 8.0
-    most_over: int = 5
-    dearer: float = 4.0
-    most_backs: int = 6
     most_ratio: float = 1e3
-    dearest: float = 1e15
-    damping: float = 0.8
-    enough: float = 0.2
-    spent: float = 0.5
-    nearly_spent: float = 1.2
-    nudge: float = 1.05
-    negligible: float = 0.15
-    behind: float = 5.0
-    tried: int = 3
-    most_idle: int = 10
-    max_stalls: int = 3
-    less: float = 0.9
-    close: float = 2.0
     dear: float = 10.0
     time_share: float = 0.1
     seconds: float = 1.0

@@ -1,0 +1,93 @@
+"""The numbers that the price of risk was tuned with, in one record."""
+
+from __future__ import annotations
+
+from radmpc.records import dataclass
+
+__all__ = ["PRICE_TUNING", "PriceTuning"]
+
+
+@dataclass(frozen=True, slots=True)
+class PriceTuning:
+    """How the price of risk follows certificates, and when another round promises too little.
+
+    A value that was measured names the scenes; of the others no measurement is recorded.
+
+    Attributes
+    ----------
+    aim : float
+        Share of Δ that the certificate is to come to at the next price [-].
+    most_rise, most_fall : float
+        Ratio of certificate to aim that a rising price follows at most, and its inverse that a
+        falling one does [-]: from a cheap price paths go far at once, and not back.
+    impatience : float
+        Further factor on the price for every round in a row above Δ, before any was certified [-].
+    urgency : float
+        The same in large fleets, whose rounds take seconds, from the first one above Δ on [-]:
+        first plans of 40 and 50 robots on 32 x 32 cells come after 15 and 18 s with 2 instead of
+        19 and 24 with 1.4, and cost 2 % more.
+    lost : float
+        Multiple of Δ from which on a certificate calls for going back to the last certified paths
+        [-].
+    most_over : int
+        Rounds in a row above Δ, certified before, that call for the same [-].
+    dearer : float
+        Factor on the price when going back [-].
+    most_backs : int
+        Times of going back at most [-].
+    dearest : float
+        Multiple of the first price that no price exceeds [-].
+    damping : float
+        Power of the ratio of certificate to aim that the price follows [-]: risk falls a little
+        faster than in proportion.
+    enough : float
+        Share of the gap below which a round gains too little to go on [-].
+    spent : float
+        Share of Δ below which a certificate calls for a lower price before gains are counted [-].
+    nearly_spent : float
+        Multiple of Δ up to which a certificate above it, of a round that gained too little, calls
+        for a higher price instead of going back [-].
+    nudge : float
+        Further factor on the price then [-].
+    negligible : float
+        Share of the gap that another round must promise [-].
+    behind, tried : float, int
+        Multiple of what another round promises by which plans from elsewhere may be cheaper [-],
+        after so many rounds.
+    most_idle : int
+        Rounds in a row without a better certified plan, after which none follows [-]:
+        `circle(4)` swings between two vertices for ever.
+    max_stalls : int
+        Rounds in a row that gain too little, after which none follows [-].
+    less : float
+        Share of the last certificate that a round must come below while far above Δ [-].
+    close : float
+        Multiple of Δ up to which a certificate above it is left for the price to repair [-].
+    """
+
+    aim: float = 0.985
+    most_rise: float = 30.0
+    most_fall: float = 6.0
+    impatience: float = 1.4
+    urgency: float = 2.0
+    lost: float = 8.0
+    most_over: int = 5
+    dearer: float = 4.0
+    most_backs: int = 6
+    dearest: float = 1e15
+    damping: float = 0.8
+    enough: float = 0.2
+    spent: float = 0.5
+    nearly_spent: float = 1.2
+    nudge: float = 1.05
+    negligible: float = 0.15
+    behind: float = 5.0
+    tried: int = 3
+    most_idle: int = 10
+    max_stalls: int = 3
+    less: float = 0.9
+    close: float = 2.0
+
+
+PRICE_TUNING = PriceTuning()
+"""The values in use."""
