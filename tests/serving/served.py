@@ -31,8 +31,9 @@ ENDING: list[tuple[threading.Thread, socket.socket]] = []
 def wait_for_all() -> None:
     """Wait until all servers have ended."""
     for thread, port in ENDING:
-        thread.join()
+        thread.join(PATIENCE)
         port.close()
+        assert not thread.is_alive(), "a server does not end"
     ENDING.clear()
 
 
