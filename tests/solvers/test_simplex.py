@@ -204,7 +204,7 @@ def test_a_ratio_that_is_rounded_down_enters_all_the_same(cost: float, pivot: fl
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf])
-def test_numbers_that_are_none_prove_nothing_and_break_nothing(wrong: float) -> None:
+def test_a_cost_that_is_no_number_proves_nothing(wrong: float) -> None:
     lp = SimplexLp(np.array([wrong, 1.0]), np.zeros(2), np.ones(2))
     lp.add_row(np.array([0, 1], dtype=np.int32), np.array([1.0, wrong]), 1.0, np.inf)
     assert lp.compiled.solve(np.inf, 10)[1] == -np.inf
