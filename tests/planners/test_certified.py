@@ -250,7 +250,7 @@ def test_sides_that_the_referee_rates_above_the_bound_do_not_end_the_search():
 
 @pytest.mark.slow
 def test_a_tangled_set_has_a_certified_plan_long_before_its_proof():
-    result = plan_asked(circle(8), 1_500)
+    result = plan_asked(circle(8), 1_000)
     assert result.status is Status.FEASIBLE
     assert result.is_certified
     assert result.cost <= 1.12 * result.lower_bound
