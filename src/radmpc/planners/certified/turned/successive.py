@@ -173,7 +173,7 @@ class SuccessiveLp:
             penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
         return float(self.missed.sum()) <= _MISSED
 
-    def plan_alone(self, i: int, clearance: float, penalty: float) -> None:
+    def plan_alone(self, i: int, clearance: float, penalty: float, reach: float = 0.0) -> None:
         """Plan one vehicle between half-spaces turned to its latest path.
 
         Parameters
@@ -184,8 +184,10 @@ class SuccessiveLp:
             Standard deviations that it keeps [-].
         penalty : float
             Of a meter missed, see `Tuning.first_penalty` [-].
+        reach : float
+            How far around that path one looks; what it moves by in a step, at least [m].
         """
-        reach = float(self.hazards.reaches[i])
+        reach = max(reach, float(self.hazards.reaches[i]))
         near = Near(clearance, reach, is_refined=False, is_start_given=self._has_visits)
         spaces = half_spaces(self.hazards, self.paths, (i,), near)
         margins = fixed_margins(spaces.deviations, clearance, penalty * self._meter)

@@ -17,6 +17,9 @@ class Tuning:
     ----------
     alone_sweeps : int
         Sweeps before vehicles in the way of others are planned again, too [-].
+    further : float
+        How far around its places one looks, once a vehicle came near what was not seen there, in
+        multiples of how far it strayed [-].
     grid_points : int
         Points of the grid along its longest axis [-].
     coarse : float
@@ -87,6 +90,7 @@ class Tuning:
     """
 
     alone_sweeps: int = 2
+    further: float = 1.5
     grid_points: int = 160
     coarse: float = 1.5
     straight_points: int = 24

