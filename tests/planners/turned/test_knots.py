@@ -217,7 +217,7 @@ def test_of_joint_routes_drawn_the_shortest_is_taken_whatever_other_draws_come_t
     clear = Clear.of(hazards)
     assert clear is not None
     lengths = iter((43, 0, 21, 0, 37, *([0] * 100)))
-    monkeypatch.setattr(knots, "shortened", lambda _, drawn, __: drawn)
+    monkeypatch.setattr(knots, "rerouted", lambda _, drawn, *__: drawn)
     monkeypatch.setattr(knots, "joint_search", lambda *_: [(0, 1)] * next(lengths))
     routes = joint_routes(hazards, clear, np.random.default_rng(0), never)
     assert {len(route) for route in routes.values()} == {21}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from grid_worlds import cells
 
 from radmpc.model.scenario import Scenario
@@ -13,6 +14,7 @@ from radmpc.planners.certified.turned.narrow.at_pace import keep_places
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.pacing import Pacing
 from radmpc.planners.certified.turned.narrow.routes import shortest_routes
+from radmpc.planners.certified.turned.paths import timed
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
@@ -56,6 +58,23 @@ def test_a_robot_placed_clear_of_corners_stays_clear_of_them(tmp_path: Path) -> 
     kept = placed(hazards)
     assert keep_places(kept, CLEARANCE, TUNING.paced_sweeps, TUNING.paced_penalty, Limits())
     assert kept.missed.max() <= 1e-7
+
+
+@pytest.mark.parametrize("late", [0.5, 0.6])
+def test_who_waits_far_from_a_box_does_not_drift_through_it(late: float, tmp_path: Path) -> None:
+    # An open hall with one box in its middle; the robot is to wait and to pass it in the end.
+    free = {(x, y) for x in range(13) for y in range(5)} - {(6, 2)}
+    scenario = cells(tmp_path, (13, 5), free, [((0, 2), (12, 2))])
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    clear = Clear.of(hazards)
+    assert clear is not None
+    route = shortest_routes(hazards, clear, CLEARANCE)[0][0]
+    successive = SuccessiveLp(hazards, Limits())
+    assert successive.begin_alone()
+    successive.refer(0, timed(route, hazards.horizon, late, 1.0))
+    assert keep_places(successive, CLEARANCE, 16, TUNING.paced_penalty, Limits())
+    path = successive.paths.means[0]
+    assert clear.along(path[:-1], path[1:]).min() > hazards.radii[0]
 
 
 def test_places_are_not_kept_once_time_is_up(tmp_path: Path) -> None:

@@ -9,12 +9,8 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.narrow.clear import Clear
-from radmpc.planners.certified.turned.narrow.joint_search import (
-    Configuration,
-    edges_to,
-    joint_search,
-)
-from radmpc.planners.certified.turned.narrow.shortening import shortened
+from radmpc.planners.certified.turned.narrow.joint_search import Configuration, joint_search
+from radmpc.planners.certified.turned.narrow.rerouting import rerouted
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
@@ -71,7 +67,7 @@ def _shortest(
     rng: np.random.Generator,
     is_stopped: Callable[[], bool],
 ) -> list[Configuration]:
-    """Return the solution of fewest ticks of those drawn and shortened, then that of fewest moves.
+    """Return the solution of fewest ticks of those drawn and rerouted, then that of fewest moves.
 
     Short solutions are found soon or not at all: long searches end with long ones.
     """
@@ -84,10 +80,10 @@ def _shortest(
         if is_stopped() or (found and drawn >= TUNING.long_draws):
             break
         found += _drawn(neighbors, ends, TUNING.configurations, rng, is_stopped)
-    found = sorted(found, key=_length)[: TUNING.shortened]
-    longest = max(edges_to(neighbors, goal)[start] for start, goal in zip(*ends, strict=True))
-    if found and len(found[0]) > TUNING.winding * longest:
-        found = [shortened(neighbors, one, TUNING.passes) for one in found]
+    count = len(ends[0])
+    chosen = sorted(found, key=_length)[: TUNING.rerouted if count <= TUNING.few else 1]
+    tries = TUNING.reroutes * count
+    found = [rerouted(neighbors, one, tries, rng, is_stopped) for one in chosen]
     return min(found, key=_length, default=[])
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -26,6 +27,10 @@ _FEWEST, _MOST = 2, 8
 
 _LAST = 0.5
 """Share of the tries that begin with the last to arrive, others with anyone that is late [-]."""
+
+_BATCH, _ENOUGH = 3, 0.1
+"""Tries per vehicle [-] in which the delay of all has to fall by such a share for more to follow:
+on 32 x 32 cells 40 robots are done after 6 per vehicle, 0.3 s, and 80 after 12, 3.7 s."""
 
 _SELDOM = 1e-3
 """Weight of who is not late, against a tick of delay [ticks]."""
@@ -64,12 +69,15 @@ def rerouted(
         One per tick.
     """
     routes = _Routes(neighbors, configurations)
-    for _ in range(tries):
+    batch, before = _BATCH * len(configurations[0]), float("inf")
+    for number in range(tries):
+        if number % batch == 0:
+            if routes.delay >= (1.0 - _ENOUGH) * before:
+                break
+            before = routes.delay
         if is_stopped() or not routes.delay:
             break
-        group = routes.group(rng)
-        if len(group) > 1:
-            routes.try_anew(group)
+        routes.try_anew(routes.group(rng))
     return routes.configurations()
 
 
@@ -133,11 +141,7 @@ class _Routes:
 
     def _worth(self) -> tuple[int, int, int]:
         """Return the last arrival, what all are late, and how often they move; less is better."""
-        moves = sum(
-            here != there
-            for route in self._routes
-            for here, there in zip(route, route[1:], strict=False)
-        )
+        moves = sum(here != there for route in self._routes for here, there in pairwise(route))
         return max(self._arrivals), sum(self._arrivals), moves
 
     def _delays(self) -> list[int]:

@@ -77,14 +77,13 @@ class Tuning:
         [-]: 40 such draws take 100 robots 3 s.
     long_draws : int
         Draws of more configurations, once one has a solution [-]: 0.6 s each for 100 robots.
-    winding : float
-        Ticks over those of the longest route alone from which on solutions are made shorter [-].
-        In knots of 9 to 16 robots it is twice as many, and first plans become 2 % cheaper; where
-        ticks are hardly more, as of 40 to 60 robots on 32 x 32 cells, they would become 5 % dearer.
-    shortened : int
-        How many of the best are made shorter [-].
-    passes : int
-        Times that every vehicle is routed anew for that, at most [-].
+    few : int
+        Vehicles up to which several of the best are routed anew [-]: 12 take 20 ms each.
+    rerouted : int
+        How many of the best are, then [-].
+    reroutes : int
+        Groups that are routed anew in each, per vehicle, at most [-]: 1 to 5 ms each, and 9 to 12
+        per vehicle are enough on 32 x 32 cells.
     configurations : int
         Configurations that are looked at, at most [-]: 12 vehicles take 0.3 ms each.
     """
@@ -115,9 +114,9 @@ class Tuning:
     soon: int = 300
     soon_draws: int = 10
     long_draws: int = 4
-    winding: float = 1.3
-    shortened: int = 4
-    passes: int = 4
+    few: int = 24
+    rerouted: int = 4
+    reroutes: int = 40
     configurations: int = 3000
 
 
