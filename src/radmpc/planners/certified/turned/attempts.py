@@ -16,7 +16,6 @@ from radmpc.planners.certified.turned.paths import (
     timed_anyhow,
     timed_by_visits,
 )
-from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Turning
@@ -97,13 +96,15 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
         is_apart = attempt.keep_apart(kept, limits)
         missed = float(successive.missed.sum())
         is_hopeful = is_apart or missed <= allowed
-        if is_hopeful and is_maze and kept == begin.clearance:
-            is_hopeful = attempt.turning.certified() <= PRICE_TUNING.close * begin.task.risk_bound
+        is_near = missed <= TUNING.most_missed * float(radii.sum())
+        if is_maze and is_near and kept == begin.clearance:
+            # What few miss costs less risk than all come near each other with less clearance.
+            is_hopeful = attempt.turning.certified() <= TUNING.hopeful * begin.task.risk_bound
         if is_hopeful:
             found, was_turned = attempt.run(), True
             if found.controls:
                 return missed, found, True
-        if missed > TUNING.most_missed * float(radii.sum()):
+        if not is_near:
             break
     return missed, FleetIncumbent(), was_turned
 

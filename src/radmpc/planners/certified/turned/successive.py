@@ -168,7 +168,8 @@ class SuccessiveLp:
             least = min(least, missed)
             if missed > _MISSED and num_stuck >= TUNING.stuck:
                 return False
-            if is_quick and number >= TUNING.telling and missed > most_missed:
+            sooner = TUNING.sooner ** max(TUNING.telling - number, 0)
+            if is_quick and missed > sooner * most_missed:
                 return False
             penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
         return float(self.missed.sum()) <= _MISSED

@@ -72,10 +72,12 @@ class Tuning:
         Sweeps over the fleet for a first plan, at most [-]; `empty_40agents_3` takes nine.
     quick_sweeps : int
         The same where there are other routes to begin with [-].
-    telling : int
-        Number of the sweep after which such an attempt is left if it misses as much as leads to
-        nothing [-]. Of twelve maps with 8 to 40 robots all that did after four sweeps still missed
-        half of it after twelve, which is 3 s of 50 robots.
+    telling, sooner : int, float
+        Number of the sweep from which on such an attempt is left if it misses as much as leads to
+        nothing, and the factor on that from each sweep to the one before [-]. Of twelve maps with 8
+        to 40 robots all that did after four sweeps still missed half of it after twelve; of 50
+        attempts on maps and among boxes those that led to something missed at most 6.1, 3.7, 1.6
+        and 0.6 times as much after one to four. Of 60 robots a sweep takes half a second.
     short : float
         Time for the search below which a plan is made before it in large fleets, per vehicle [s].
         The first certified plan of `fleet(256)` takes 9 ms per vehicle without one, 13 to 60 with.
@@ -100,6 +102,10 @@ class Tuning:
         The same of large fleets, for each vehicle [mean radii over `nearly`].
     most_missed : float
         What paths may miss in all for another try with less room [sums of radii].
+    hopeful : float
+        Multiple of Δ up to which paths of a large fleet with full clearance are turned at a price
+        of risk, whatever they miss [-]: 60 robots on 32 x 32 cells have plans after 14 and 19 s
+        instead of 19 and 27, and 80 after 28 instead of none within 60.
     alike : float
         Relative difference of what two attempts miss up to which it counts as the same [-].
     easy_share : float
@@ -190,6 +196,7 @@ class Tuning:
     max_sweeps: int = 40
     quick_sweeps: int = 12
     telling: int = 3
+    sooner: float = 2.5
     short: float = 0.03
     short_by_highs: float = 0.25
     attempts: int = 8
@@ -202,6 +209,7 @@ class Tuning:
     most_missed: float = 1.0
     first_seconds: float = 30.0
     first_time_share: float = 0.8
+    hopeful: float = 10.0
     alike: float = 0.01
     easy_share: float = 0.1
     fastest: float = 0.95
