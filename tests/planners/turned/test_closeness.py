@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from radmpc.experiments.families import circle
-from radmpc.planners.certified.turned.narrow.closeness import closeness
+from radmpc.planners.certified.turned.narrow.closeness import closeness, passing_by
 from radmpc.planners.certified.turned.narrow.track import Track
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
@@ -48,3 +48,23 @@ def test_every_move_costs_what_it_comes_too_near(avoidance: str, seed: int) -> N
                     assert np.isinf(told)
                 elif least > touching + spread + 1e-3:
                     assert told == pytest.approx(wanted, abs=0.02)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_who_is_not_told_to_pass_by_is_near_no_move(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    scenario = circle(4)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    count, levels = 24, 3
+    places = np.cumsum(rng.normal(0.0, 0.5, (count, 2)), axis=0)
+    places[1:] = places[0] + np.linspace(0.3, 7.0, count - 1)[:, None] * [0.8, 0.6]
+    nothing = np.zeros((levels, levels, count))
+    each = Track(0, places, nothing.astype(int), nothing, 0, np.zeros(levels), 7.0)
+    starts = places.mean(axis=0) + rng.uniform(-15.0, 15.0, (60, 1, 2))
+    paths = starts + np.cumsum(rng.normal(0.0, 0.4, (60, 13, 2)), axis=1)
+    passes = passing_by(hazards, each, paths, CLEARANCE)
+    is_near = [closeness(hazards, each, 2, path, CLEARANCE)[0].size > 0 for path in paths]
+    assert passes[is_near].all()
+    assert any(is_near)
+    # And most of those that are far away need no closer look.
+    assert not passes.all()

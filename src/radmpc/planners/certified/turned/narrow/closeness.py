@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
-from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.narrow.track import Closeness, Track
 from radmpc.program.hazards import Hazards
 
-__all__ = ["closeness"]
+__all__ = ["closeness", "passing_by"]
 
 
 def closeness(
@@ -49,6 +50,41 @@ def closeness(
     # Four fifths of what may be near is not, whatever the move, and all of it is kept for long.
     costs_any = lack.any(axis=1)
     return step[costs_any], near[costs_any], lack[costs_any]
+
+
+def passing_by(
+    hazards: Hazards, each: Track, paths: Tensor, clearance: float
+) -> npt.NDArray[np.bool_]:
+    """Return which of other paths may come near a track at all, (n,).
+
+    Told by cells as wide as what counts as near, so that most of the others need no closer look.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    each : Track
+        The track.
+    paths : (n, T+1, 2) array
+        Where others are at each step [m].
+    clearance : float
+        Standard deviations to keep [-].
+    """
+    places = each.places
+    spread = float(np.sqrt(2.0 * hazards.variances.max() / hazards.dimension))
+    moved = float(np.abs(np.diff(paths, axis=1)).max(initial=0.0)) * np.sqrt(2.0)
+    longest = each.num_displacements * float(np.linalg.norm(places[1] - places[0]))
+    reach = 2.0 * float(hazards.radii.max()) + clearance * spread + longest + moved
+    # Two cells around all places, so that what is clipped is outside.
+    origin = places.min(axis=0) - 2.0 * reach
+    of_places = ((places - origin) / reach).astype(np.int64)
+    is_near = np.zeros(of_places.max(axis=0) + 3, dtype=bool)
+    for x in (-1, 0, 1):
+        for y in (-1, 0, 1):
+            is_near[of_places[:, 0] + x, of_places[:, 1] + y] = True
+    cells = ((paths - origin) / reach).astype(np.int64)
+    x, y = (np.clip(cells[..., axis], 0, is_near.shape[axis] - 1) for axis in (0, 1))
+    return np.asarray(is_near[x, y].any(axis=1))
 
 
 def _near(places: Matrix, path: Matrix, reaches: Vector) -> tuple[Indices, Indices]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.turned.narrow.clear import Clear
-from radmpc.planners.certified.turned.narrow.closeness import closeness
+from radmpc.planners.certified.turned.narrow.closeness import closeness, passing_by
 from radmpc.planners.certified.turned.narrow.track import Closeness, Track, track
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
@@ -135,11 +135,16 @@ class Pacing:
     def _place(self, vehicle: int) -> bool:
         """Place a vehicle at the best pace on any of its routes; tell whether there is one."""
         best: tuple[Matrix, float] | None = None
+        placed = np.array(list(self._placed))
+        paths = np.array(list(self._placed.values()))
         for each, alone in self._tracks[vehicle]:
             if best is not None and alone >= best[1]:
                 # Others only make it dearer; the routes come in the order of what they cost alone.
                 break
-            others = [self._closeness(each, j) for j in self._placed]
+            others: list[Closeness] = []
+            if placed.size:
+                beside = placed[passing_by(self._hazards, each, paths, self._clearance)]
+                others = [self._closeness(each, j) for j in beside.tolist()]
             found = each.paced(self._hazards.horizon, others)
             if found is not None and (best is None or found[1] < best[1]):
                 best = found
