@@ -12,10 +12,13 @@ from radmpc.arrays import Vector
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import clutter, paper
 from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
 from radmpc.planners import Branch, Certified, Optimal, Planner
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.proof import part_search, search
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
-from radmpc.planners.certified.proof.tubes import within_tube
+from radmpc.planners.certified.proof.tubes import in_empty_space, within_tube
+from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planning import plan
 from radmpc.program.build import build_program, condensed_models, point_of
 from radmpc.program.relaxed.tails import tails_of
@@ -46,6 +49,17 @@ def test_a_tube_is_as_wide_as_plans_up_to_a_cost_may_go(step: int) -> None:
             place = sign * solved.fun + program.constant[entry]
             assert sign * (place - reach[step, axis]) >= -1e-6
             assert reach[step, axis] == pytest.approx(place, abs=1e-4)
+
+
+def test_a_tube_needs_no_obstacles_in_the_program() -> None:
+    scenario = clutter(1, 20, 3)
+    [model] = condensed_models(scenario)
+    program = build_program(scenario, [model], risk_bound=scenario.risk_bound)
+    bare = in_empty_space(scenario, model)
+    assert bare.rows.count < program.rows.count
+    wide, tube = (within_tube(model, one, 5.0, Limits()) for one in (program, bare))
+    assert (wide.reach_lower == tube.reach_lower).all()
+    assert (wide.reach_upper == tube.reach_upper).all()
 
 
 @pytest.mark.slow
@@ -79,6 +93,23 @@ def test_more_time_for_the_proof_never_lowers_the_bound() -> None:
 def among_boxes() -> Plan:
     """A plan of a vehicle among boxes."""
     return plan(replace(clutter(1, 40, 2), avoidance="steps"), "certified(0)").require()
+
+
+@pytest.mark.parametrize("scenario", [paper(6, 2), paper(8, 3)], ids=lambda s: s.name)
+def test_a_proof_that_leaves_behind_what_it_built_proves_the_same(
+    scenario: Scenario, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = replace(scenario, avoidance="steps")
+    usual = plan(scenario, "certified", rng=0)
+    left = []
+    leave = RelaxedSet.left_behind
+    monkeypatch.setattr(RelaxedSet, "left_behind", lambda a: left.append(a.built) or leave(a))
+    for module in (part_search, search):
+        monkeypatch.setattr(module, "TUNING", replace(TUNING, most_rows=0))
+    thrifty = plan(scenario, "certified", rng=0)
+    assert any(built is not None for built in left)
+    assert thrifty.certified_lower_bound == usual.certified_lower_bound
+    assert thrifty.cost == usual.cost
 
 
 def relaxed_up_to(made: Plan, most: float) -> tuple[RelaxedSet, Vector]:

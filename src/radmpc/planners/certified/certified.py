@@ -104,6 +104,8 @@ class Certified(Decomposition):
         best = first if first.cost < state.incumbent.cost else state.incumbent
         run.improved(best.controls)
         run.progress("improving", 0, 1)
+        # Turning and the proof build what they need of them, and both take memory of their own.
+        fleet.programs.forget()
         improving = fleet.with_limits(but_for_proof(run.limits, time.perf_counter() - begun))
         state = improved(improving, state, first, run.judge)
         run.progress("proving", 0, 1)

@@ -16,7 +16,6 @@ from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.program.build import cost_of_time
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.tails import Tails, tails_of
 from radmpc.records import dataclass, field, replace
 
@@ -43,8 +42,8 @@ class Part:
         These vehicles alone, with what they may meet.
     models : tuple of CondensedModel
         Theirs.
-    programs : tuple of DisjunctiveProgram
-        Each one's own; empty where reach is not narrowed.
+    is_narrowed : bool
+        Whether reach is narrowed to that of plans that matter.
     base : tuple of float
         What each costs at least in empty space.
     controls : tuple of (T, m) array
@@ -61,7 +60,7 @@ class Part:
     members: Members
     scenario: Scenario
     models: tuple[CondensedModel, ...]
-    programs: tuple[DisjunctiveProgram, ...]
+    is_narrowed: bool
     base: tuple[float, ...]
     controls: tuple[Matrix, ...]
     most_over: float
@@ -86,23 +85,16 @@ class Part:
             As in `Part`.
         """
         scenario = fleet.programs.alone(members)
-        is_narrowed = len(scenario.obstacles) >= TUNING.many_obstacles
-        alone = [fleet.programs.problem((i,)).program for i in members] if is_narrowed else []
         return cls(
             members,
             scenario,
             tuple(fleet.programs.models[i] for i in members),
-            tuple(alone),
+            len(scenario.obstacles) >= TUNING.many_obstacles,
             tuple(fleet.base[i] for i in members),
             tuple(incumbent.controls[i] for i in members),
             incumbent.cost - sum(fleet.base),
             tails,
         )
-
-    @property
-    def is_narrowed(self) -> bool:
-        """Whether reach is narrowed to that of plans that matter."""
-        return bool(self.programs)
 
     def paid_for_hazards(self, blocks: Members) -> float:
         """Return what the plan of some vehicles, by their places, costs beyond the least."""

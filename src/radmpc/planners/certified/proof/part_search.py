@@ -12,7 +12,7 @@ from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.proof.part import Part, PartAnswer, PartOrder, PartTask
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
-from radmpc.planners.certified.proof.tubes import within_tube
+from radmpc.planners.certified.proof.tubes import in_empty_space, within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.program.build import point_of
 from radmpc.program.relaxed.shared_rows import SharedRows
@@ -147,9 +147,23 @@ class _PartSearch:
             limits, price = self.limits, order.price
             found = proven.searched(limits, price, bounds, order.gap, nodes, hint, enough)
             self.nodes += found.nodes - proven.nodes
-            proven = self.sets[blocks] = found
+            self._keep(blocks, found)
+            proven = found
             is_done = proven.nodes >= last or proven.bound >= enough or self.limits.reached
             is_over = is_done or self._next_most(blocks, proven) is None
+
+    def _keep(self, blocks: Members, found: RelaxedSet) -> None:
+        """Keep what is known of a set, and leave behind what others searched, beyond so many rows.
+
+        Pairs of seven robots among two hundred boxes have 900,000, which take 250 MB.
+        """
+        self.sets.pop(blocks, None)
+        self.sets[blocks] = found
+        kept = 0
+        for members, known in reversed(self.sets.items()):
+            if kept and kept + known.num_rows > TUNING.most_rows:
+                self.sets[members] = known.left_behind()
+            kept += known.num_rows
 
     def _paths(self, blocks: Members) -> Tensor:
         """Return the mean positions of a set in the plan at hand, (N, T+1, d) [m]."""
@@ -168,7 +182,12 @@ class _PartSearch:
         if part.is_narrowed:
             most_over = min(most - base, part.most_over)
             models = [
-                within_tube(model, part.programs[block], part.base[block] + most_over, self.limits)
+                within_tube(
+                    model,
+                    in_empty_space(part.scenario, model),
+                    part.base[block] + most_over,
+                    self.limits,
+                )
                 for block, model in zip(blocks, models, strict=True)
             ]
         scenario = part.scenario

@@ -152,6 +152,11 @@ class RelaxedSet:
         )
 
     @property
+    def num_rows(self) -> int:
+        """Rows of what is searched, while it is kept [-]."""
+        return 0 if self.built is None else self.built.program.rows.count
+
+    @property
     def is_sent_without(self) -> bool:
         """Whether another process builds what is searched sooner than it receives it.
 
@@ -161,7 +166,11 @@ class RelaxedSet:
 
     def to_be_sent(self) -> RelaxedSet:
         """Return the set as other processes are given it."""
-        if self.built is None or not self.is_sent_without:
+        return self.left_behind() if self.is_sent_without else self
+
+    def left_behind(self) -> RelaxedSet:
+        """Return the set without what is searched, which is built anew to be searched on."""
+        if self.built is None:
             return self
         return replace(self, built=None, fingerprint=self.built.fingerprint())
 

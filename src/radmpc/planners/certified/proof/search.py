@@ -226,11 +226,23 @@ class BoundSearch:
             for members, answer in answers:
                 is_new |= answer.is_new
                 self.nodes += answer.nodes
+                # The latest come last.
+                self.proven.pop(members, None)
                 self.proven[members] = answer.sets
+                self._let_go()
                 self.best = max(self.best, self._bound_here())
                 if self.is_over:
                     return False
         return is_new and not self._is_futile(worth)
+
+    def _let_go(self) -> None:
+        """Leave behind what is searched of the parts that waited longest, beyond so many rows."""
+        kept = 0
+        for members, sets in reversed(self.proven.items()):
+            rows = sum(found.num_rows for found in sets.values())
+            if kept and kept + rows > TUNING.most_rows:
+                self.proven[members] = {m: found.left_behind() for m, found in sets.items()}
+            kept += rows
 
     def _missing(self) -> float:
         """Return by how much the bound has to rise."""

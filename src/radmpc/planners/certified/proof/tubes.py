@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.model.scenario import Scenario
+from radmpc.program.build import build_program
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.bounded_lp import BoundedLp
@@ -14,7 +16,23 @@ from radmpc.solvers.lp.choosing import bounded_lp
 from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.solution import Limits
 
-__all__ = ["within_tube"]
+__all__ = ["in_empty_space", "within_tube"]
+
+
+def in_empty_space(scenario: Scenario, model: CondensedModel) -> DisjunctiveProgram:
+    """Return the program of a vehicle alone, without any obstacles.
+
+    Among two hundred boxes it takes a hundredth of the memory of that with them.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The vehicle's, whoever else is in it.
+    model : CondensedModel
+        The vehicle.
+    """
+    alone = scenario.with_vehicles([model.vehicle], [])
+    return build_program(alone, (model,), risk_bound=scenario.risk_bound)
 
 
 def within_tube(
@@ -30,7 +48,7 @@ def within_tube(
     model : CondensedModel
         The vehicle.
     program : DisjunctiveProgram
-        Of this vehicle alone: its hard rows and outputs are used.
+        Of this vehicle alone, see `in_empty_space`: its hard rows and outputs are used.
     most_cost : float
         The cost.
     limits : Limits

@@ -58,6 +58,10 @@ class Tuning:
         in the end [-]: the plan at hand is not the best one, then. 0.3 of the gap asked for
         instead: noise that lasts takes 8.1 times the seconds of white noise instead of 4.2
         (`benchmarks/noise_speed.py`, correlation 0.8).
+    most_rows : int
+        Rows of relaxations that are kept from one set, and from one round, to the next [-]; others
+        are built anew. One robot among two hundred boxes has 30,000: planning twenty of them for
+        20 s takes 294 MB, and 313 with 200,000; `clutter(4, 100)` and `fleet(256)` take as long.
     slow : float
         Share of what is missing that the nodes left have to promise, by what the latest ones gave,
         of large fleets, from the second effort on [-]: `fleet(1000, 0)` ends at 0.99 % after 28 s
@@ -94,6 +98,7 @@ class Tuning:
     finer: float = 0.4
     worth: float = 0.02
     futile: float = 0.5
+    most_rows: int = 60_000
     slow: float = 0.5
     off: float = 1.5
     prices: int = 2
