@@ -64,8 +64,12 @@ class SetPrograms:
         self._motions: dict[Members, tuple[Vector, Tensor, Tensor]] = {}
 
     def problem(self, members: Members) -> SetProblem:
-        """Return a set's program, built when first asked for."""
+        """Return a set's program, built when first asked for.
+
+        Those of sets that it was merged of are given up: they are hardly asked for again.
+        """
         if members not in self._problems:
+            self._forget_parts(members)
             problem = SetProblem.of(self.alone(members), members, self.models, self.unit)
             self._problems[members] = problem.without_cost() if self.is_costless else problem
         return self._problems[members]
@@ -77,6 +81,12 @@ class SetPrograms:
         """
         self._problems.clear()
         self._motions.clear()
+
+    def _forget_parts(self, members: Members) -> None:
+        """Give up the programs of several of some vehicles; what one does alone is asked for."""
+        whole = set(members)
+        for part in [m for m in self._problems if 1 < len(m) < len(members) and whole.issuperset(m)]:
+            del self._problems[part]
 
     def build_alone(self, limits: Limits) -> bool:
         """Build every vehicle's own program, until a limit; return whether all are built.
