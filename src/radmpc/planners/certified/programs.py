@@ -85,7 +85,9 @@ class SetPrograms:
     def _forget_parts(self, members: Members) -> None:
         """Give up the programs of several of some vehicles; what one does alone is asked for."""
         whole = set(members)
-        for part in [m for m in self._problems if 1 < len(m) < len(members) and whole.issuperset(m)]:
+        for part in [
+            m for m in self._problems if 1 < len(m) < len(members) and whole.issuperset(m)
+        ]:
             del self._problems[part]
 
     def build_alone(self, limits: Limits) -> bool:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
-from radmpc.planners.certified.turned.paths import (
-    Paths,
-)
+from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Turning
 from radmpc.program.condensed import CondensedModel
@@ -85,6 +85,8 @@ class Attempt:
         Whether paths are places clear of each other: who keeps them is left alone.
     rounds : int
         Turns at a price of risk at most, once there is a plan; as usual before [-].
+    rng : Generator or None
+        Draws other paces for the few that cannot keep theirs; None leaves them.
     """
 
     turning: Turning
@@ -92,9 +94,13 @@ class Attempt:
     penalty: float = TUNING.first_penalty
     is_placed: bool = False
     rounds: int = TUNING.first_rounds
+    rng: np.random.Generator | None = None
 
     def run(self) -> FleetIncumbent:
         """Turn half-spaces at a price of risk; return the best plan, if any."""
+        successive = self.turning.successive
+        # Not ahead of where paths were to be, but of where they are.
+        successive.restore(successive.paths.state())
         rounds = TUNING.rounds if self.rounds and self.turning.is_patient else self.rounds
         found = self.turning.run(rounds)
         return found if found.controls or self.rounds else self.turning.run(TUNING.first_rounds)
@@ -113,5 +119,11 @@ class Attempt:
         if not self.is_placed:
             return successive.keep_apart(clearance, self.sweeps, limits, self.penalty)
         from radmpc.planners.certified.turned.narrow.at_pace import keep_places  # noqa: PLC0415 - few need it
+        from radmpc.planners.certified.turned.narrow.mending import mended  # noqa: PLC0415 - few need it
 
-        return keep_places(successive, clearance, self.sweeps, self.penalty, limits)
+        places = successive.paths.means.copy()
+        if keep_places(successive, clearance, self.sweeps, self.penalty, limits):
+            return True
+        if self.rng is None:
+            return False
+        return mended(successive, places, clearance, self.rng, limits)

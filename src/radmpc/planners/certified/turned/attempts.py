@@ -199,13 +199,13 @@ def _kept_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Itera
     if clear is not None:
         pacing = Pacing(hazards, clear, clearance)
         pacing.offer(shortest_routes(hazards, clear, clearance))
-        yield from _paced(begin, pacing, pacing.run(range(hazards.count), is_stopped), limits)
+        yield from _paced(begin, pacing, pacing.run(range(hazards.count), is_stopped), rng, limits)
     if hazards.count == 1 or limits.reached:
         return
     placed, ticks = prioritized_ticks(hazards, is_stopped)
     if placed and clear is not None and pacing is not None:
         pacing.offer(pulled_routes(hazards, clear, placed, clearance))
-        yield from _paced(begin, pacing, pacing.run(tuple(placed), is_stopped), limits)
+        yield from _paced(begin, pacing, pacing.run(tuple(placed), is_stopped), rng, limits)
     for _ in range(TUNING.joint_attempts):
         if clear is None or pacing is None or limits.reached:
             break
@@ -214,26 +214,31 @@ def _kept_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Itera
             break
         pacing.offer(pulled_routes(hazards, clear, joint, clearance))
         places = {i: evenly(route, hazards.horizon) for i, route in joint.items()}
-        yield from _paced(begin, pacing, pacing.mend(places, is_stopped), limits)
+        yield from _paced(begin, pacing, pacing.mend(places, is_stopped), rng, limits)
     if placed:
         in_order = {i: path[::ticks] for i, path in placed.items()}
         yield Attempt(begin.referring(in_order), TUNING.max_sweeps)
 
 
 def _paced(
-    begin: Begin, pacing: Pacing, places: Mapping[int, Matrix], limits: Limits
+    begin: Begin,
+    pacing: Pacing,
+    places: Mapping[int, Matrix],
+    rng: np.random.Generator,
+    limits: Limits,
 ) -> Iterator[Attempt]:
     """Begin with places at a pace, if any; then with a finer one for those who missed it."""
     if not places:
         return
     turning = begin.referring(places)
-    yield Attempt(turning, TUNING.paced_sweeps, TUNING.paced_penalty, is_placed=True)
+    sweeps, penalty = TUNING.paced_sweeps, TUNING.paced_penalty
+    # A small fleet is through with all that follows as soon.
+    mending = rng if begin.task.hazards.count > TUNING.few else None
+    yield Attempt(turning, sweeps, penalty, is_placed=True, rng=mending)
     few = TUNING.misses * float(begin.task.hazards.radii.mean())
     missing = np.flatnonzero(turning.successive.missed > few).tolist()
     if missing and not limits.reached:
         finer = pacing.refine(missing, lambda: limits.reached)
         if all(np.array_equal(finer[i], places[i]) for i in missing):
             return
-        yield Attempt(
-            begin.referring(finer), TUNING.paced_sweeps, TUNING.paced_penalty, is_placed=True
-        )
+        yield Attempt(begin.referring(finer), sweeps, penalty, is_placed=True, rng=mending)

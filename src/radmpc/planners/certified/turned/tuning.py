@@ -127,6 +127,9 @@ class Tuning:
     patient_share : float
         Share of the time left for which a first plan is turned where a search would be long [-]:
         20 and 30 robots on 32 x 32 cells have plans cheaper by 5 to 14 % after 20 to 40 s.
+    waited_rounds, waited_share : int, float
+        Rounds without a plan [-], and share of the time left that they took [-], after which a
+        large fleet begins otherwise: 50 robots waited 25 s for a certificate that stayed 1.1 Δ.
     many : int
         Vehicles in each other's way from which on a first plan is made before sets are searched
         [-].
@@ -219,6 +222,8 @@ class Tuning:
     first_share: float = 0.5
     first_share_in_mazes: float = 0.2
     patient_share: float = 0.7
+    waited_rounds: int = 4
+    waited_share: float = 0.2
     many: int = 5
     crowd: float = 0.125
     few: int = 24

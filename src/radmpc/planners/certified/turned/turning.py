@@ -222,8 +222,11 @@ class Turning:
         control = PriceControl(self.price, task.risk_bound, task.gap, rival, is_many)
         self.successive.forget_all_but(self.groups)
         control.begin(self._take(), paths.cost(), paths.state())
-        some = task.limits.within(TUNING.patient_share * task.limits.seconds_left)
+        left = task.limits.seconds_left
+        patient = task.limits.within(TUNING.patient_share * left)
+        waiting = task.limits.within(TUNING.waited_share * left)
         for number in range(rounds):
+            some = patient if self.incumbent.controls else waiting
             if task.limits.reached or control.is_over or self._has_spent(number, some):
                 break
             self.price = control.price
@@ -245,8 +248,12 @@ class Turning:
 
     def _has_spent(self, number: int, some: Limits) -> bool:
         """Whether so many rounds took all the work, or all the time, that turning may take."""
-        if number < TUNING.least_rounds or not self.incumbent.controls:
-            return False  # without any plan, the next round may lead to one
+        if not self.incumbent.controls:
+            # The next round may lead to a plan, but in a large fleet another beginning may sooner.
+            is_many = self.task.hazards.count > TUNING.few
+            return is_many and number >= TUNING.waited_rounds and some.reached
+        if number < TUNING.least_rounds:
+            return False
         if self.is_patient:
             return some.reached
         if self.incumbent.certified < TUNING.unspent * self.task.risk_bound:

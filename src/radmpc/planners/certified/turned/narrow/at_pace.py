@@ -11,7 +11,7 @@ from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.solvers.solution import Limits
 
-__all__ = ["keep_places"]
+__all__ = ["keep_places", "plan_near"]
 
 _LITTLE = 1e-7
 """What half-spaces may be missed by [m]."""
@@ -58,7 +58,7 @@ def keep_places(
         for i in sorted(again, reverse=sweep % 2 == 1):
             if limits.reached:
                 return False
-            _plan(successive, i, clearance, penalty)
+            plan_near(successive, i, clearance, penalty)
         missed = float(successive.missed.sum())
         num_stuck = num_stuck + 1 if missed > TUNING.stuck_at * least else 0
         least = min(least, missed)
@@ -68,11 +68,20 @@ def keep_places(
     return bool((successive.missed <= _LITTLE).all())
 
 
-def _plan(successive: SuccessiveLp, i: int, clearance: float, penalty: float) -> None:
+def plan_near(successive: SuccessiveLp, i: int, clearance: float, penalty: float) -> None:
     """Plan a vehicle; again, looking further around, where it strays into what was not seen.
 
     Who waits at its places may drift on between half-spaces turned to where it should be, through
     whatever is beyond: one of 50 robots passed through a box and missed nothing.
+
+    Parameters
+    ----------
+    successive : SuccessiveLp
+        The latest paths.
+    i : int
+        The vehicle.
+    clearance, penalty
+        As in `keep_places`.
     """
     places = successive.paths.means[i].copy()
     successive.plan_alone(i, clearance, penalty)

@@ -20,6 +20,16 @@ class Tuning:
     further : float
         How far around its places one looks, once a vehicle came near what was not seen there, in
         multiples of how far it strayed [-].
+    mended : int
+        Vehicles of a large fleet that miss anything up to which other paces are drawn for each [-].
+    paces : int
+        Such paces for each at most [-]: one of nine maps of 40 to 60 robots has its first plan
+        after 15 s instead of none within 40, the others after 0.1 to 2.6 s more, one after 6 less.
+    strengths : tuple of float
+        How much sooner or later they are, one after the other [steps].
+    mending_rounds, mending_penalty : int, float
+        Times that a vehicle is planned along one at most [-], and the first penalty of a meter
+        missed, see `Tuning.first_penalty` of `turned` [-].
     grid_points : int
         Points of the grid along its longest axis [-].
     coarse : float
@@ -90,6 +100,11 @@ class Tuning:
 
     alone_sweeps: int = 2
     further: float = 1.5
+    mended: int = 8
+    paces: int = 12
+    strengths: tuple[float, ...] = (0.3, 0.6, 1.0, 1.5, 2.5)
+    mending_rounds: int = 4
+    mending_penalty: float = 660.0
     grid_points: int = 160
     coarse: float = 1.5
     straight_points: int = 24
