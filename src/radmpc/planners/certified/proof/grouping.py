@@ -17,6 +17,7 @@ __all__ = [
     "Proven",
     "bound_together",
     "bounds_within",
+    "keep_latest",
     "parts_of",
     "proven_within",
 ]
@@ -43,6 +44,32 @@ def parts_of(sets: Sequence[Members]) -> tuple[Members, ...]:
         is_small = len(members) <= TUNING.most_together
         parts += [tuple(sorted(members))] if is_small else [(i,) for i in members]
     return tuple(parts)
+
+
+def keep_latest(
+    proven: dict[Members, Mapping[Members, RelaxedSet]],
+    members: Members,
+    latest: Mapping[Members, RelaxedSet],
+) -> None:
+    """Keep what is known of a part; leave behind what others search, beyond so many rows.
+
+    Parameters
+    ----------
+    proven : dict of tuple of int to mapping of tuple of int to RelaxedSet
+        What is known of parts, the latest last; changed in place.
+    members : tuple of int
+        The part.
+    latest : mapping of tuple of int to RelaxedSet
+        What is known of it now.
+    """
+    proven.pop(members, None)
+    proven[members] = latest
+    kept = 0
+    for part, sets in reversed(proven.items()):
+        rows = sum(found.num_rows for found in sets.values())
+        if kept and kept + rows > TUNING.most_rows:
+            proven[part] = {m: found.left_behind() for m, found in sets.items()}
+        kept += rows
 
 
 def proven_within(members: Members, proven: Proven) -> dict[Members, RelaxedSet]:

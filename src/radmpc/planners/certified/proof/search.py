@@ -13,6 +13,7 @@ from radmpc.planners.certified.proof.grouping import (
     PartBounds,
     Proven,
     bounds_within,
+    keep_latest,
     parts_of,
     proven_within,
 )
@@ -174,8 +175,7 @@ class BoundSearch:
     def _found(self) -> Iterator[tuple[Members, RelaxedSet]]:
         """Yield the parts that were searched as a whole."""
         for members in self.order:
-            whole = self.proven.get(members, _NOTHING).get(tuple(range(len(members))))
-            if whole is not None:
+            if whole := self.proven.get(members, _NOTHING).get(tuple(range(len(members)))):
                 yield members, whole
 
     def _bound_of(self, members: Members) -> float:
@@ -226,23 +226,11 @@ class BoundSearch:
             for members, answer in answers:
                 is_new |= answer.is_new
                 self.nodes += answer.nodes
-                # The latest come last.
-                self.proven.pop(members, None)
-                self.proven[members] = answer.sets
-                self._let_go()
+                keep_latest(self.proven, members, answer.sets)
                 self.best = max(self.best, self._bound_here())
                 if self.is_over:
                     return False
         return is_new and not self._is_futile(worth)
-
-    def _let_go(self) -> None:
-        """Leave behind what is searched of the parts that waited longest, beyond so many rows."""
-        kept = 0
-        for members, sets in reversed(self.proven.items()):
-            rows = sum(found.num_rows for found in sets.values())
-            if kept and kept + rows > TUNING.most_rows:
-                self.proven[members] = {m: found.left_behind() for m, found in sets.items()}
-            kept += rows
 
     def _missing(self) -> float:
         """Return by how much the bound has to rise."""

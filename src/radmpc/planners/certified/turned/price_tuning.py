@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from radmpc.records import dataclass
 
-__all__ = ["PRICE_TUNING", "PriceTuning"]
+__all__ = ["PRICE_TUNING", "PriceControlTuning"]
 
 
 @dataclass(frozen=True, slots=True)
-class PriceTuning:
+class PriceControlTuning:
     """How the price of risk follows certificates, and when another round promises too little.
 
     A value that was measured names the scenes; of the others no measurement is recorded.
@@ -89,5 +89,5 @@ class PriceTuning:
     close: float = 2.0
 
 
-PRICE_TUNING = PriceTuning()
+PRICE_TUNING = PriceControlTuning()
 """The values in use."""

@@ -36,6 +36,7 @@ _SELDOM = 1e-3
 """Weight of who is not late, against a tick of delay [ticks]."""
 
 _NOBODY = -1
+"""Stands where no vehicle is."""
 
 Route = list[int]
 """Node of a vehicle at every tick."""
