@@ -25,8 +25,8 @@ __all__ = ["SetPrograms"]
 class SetPrograms:
     """The programs of all sets, each built when first asked for.
 
-    What was built is kept: the answers are the same however often, and in whatever order, sets are
-    asked for.
+    The answers are the same however often, and in whatever order, sets are asked for: what was
+    built is kept for a while, and built anew where it was given up.
 
     Parameters
     ----------

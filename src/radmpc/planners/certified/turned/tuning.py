@@ -126,7 +126,8 @@ class Tuning:
         and 3. A swarm of 200 in the open becomes 4 % dearer.
     patient_share : float
         Share of the time left for which a first plan is turned where a search would be long [-]:
-        20 and 30 robots on 32 x 32 cells have plans cheaper by 5 to 14 % after 20 to 40 s.
+        20 and 30 robots on 32 x 32 cells have plans cheaper by 5 to 14 % after 20 to 40 s with 0.5,
+        and by up to 2 % more with 0.7.
     waited_rounds, waited_share : int, float
         Rounds without a plan [-], and share of the time left that they took [-], after which a
         large fleet begins otherwise: 50 robots waited 25 s for a certificate that stayed 1.1 Δ.
