@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from grid_worlds import cells
 
+from radmpc.experiments.families import fleet
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.turned.narrow.at_pace import keep_places
@@ -21,6 +23,7 @@ from radmpc.planners.certified.turned.turning import Task, Turning
 from radmpc.planners.verdict import Verdict
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
+from radmpc.solvers import solution
 from radmpc.solvers.solution import Limits
 
 CLEARANCE = 3.0
@@ -121,3 +124,30 @@ def test_turning_goes_on_while_most_of_the_risk_bound_is_unspent(tmp_path: Path)
         rounds.append(len(asked) - 1)
     # At 20 % of Δ the price may still fall; at 80 % what was spent on turning ends it.
     assert rounds[0] > rounds[1] == TUNING.least_rounds
+
+
+def test_a_large_fleet_waits_for_a_first_plan_only_for_so_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rounds = []
+    for seconds in (0.0, 5.0):
+        now, asked = [0.0], [1e6]
+        clock = SimpleNamespace(monotonic=lambda now=now: now[0])
+        monkeypatch.setattr(solution, "time", clock)
+        scenario = fleet(TUNING.few + 1, 0)
+        hazards = Hazards.of(scenario, condensed_models(scenario))
+
+        def judge(controls: object, now=now, asked=asked, seconds=seconds) -> Verdict:
+            # The certificate falls for as long as anybody asks, and stays above Δ.
+            now[0] += seconds
+            asked.append(0.5 * asked[-1])
+            return Verdict(asked[-1], ())
+
+        task = Task(hazards, judge, Limits(60.0, never), 1e-3, 0.02)
+        alone = tuple((i,) for i in range(hazards.count))
+        turning = Turning(task, FleetIncumbent(), alone, 1.0)
+        assert turning.successive.begin_alone()
+        assert not turning.run(TUNING.first_rounds).controls
+        rounds.append(len(asked) - 2)
+    # Two rounds of 5 s each are all the time that it may wait; a few are made in any case.
+    assert rounds[1] == TUNING.waited_rounds < rounds[0]
