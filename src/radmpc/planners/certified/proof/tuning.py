@@ -60,8 +60,8 @@ class Tuning:
         (`benchmarks/noise_speed.py`, correlation 0.8).
     most_rows : int
         Rows of relaxations that are kept from one set, and from one round, to the next [-]; others
-        are built anew. One robot among two hundred boxes has 30,000: planning twenty of them for
-        20 s takes 294 MB, and 313 with 200,000; `clutter(4, 100)` and `fleet(256)` take as long.
+        are built anew. One robot among two hundred boxes has 30,000: proofs of twenty of them take
+        19 MB less than with 200,000; `clutter(4, 100)` and `fleet(256)` take as long.
     slow : float
         Share of what is missing that the nodes left have to promise, by what the latest ones gave,
         of large fleets, from the second effort on [-]: `fleet(1000, 0)` ends at 0.99 % after 28 s
