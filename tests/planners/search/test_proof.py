@@ -15,7 +15,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners import Branch, Certified, Optimal, Planner
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.proof import grouping, part_search
+from radmpc.planners.certified.proof import grouping
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import in_empty_space, within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
@@ -104,8 +104,7 @@ def test_a_proof_that_leaves_behind_what_it_built_proves_the_same(
     left = []
     leave = RelaxedSet.left_behind
     monkeypatch.setattr(RelaxedSet, "left_behind", lambda a: left.append(a.built) or leave(a))
-    for module in (part_search, grouping):
-        monkeypatch.setattr(module, "TUNING", replace(TUNING, most_rows=0))
+    monkeypatch.setattr(grouping, "TUNING", replace(TUNING, most_rows=0))
     thrifty = plan(scenario, "certified", rng=0)
     assert any(built is not None for built in left)
     assert thrifty.certified_lower_bound == usual.certified_lower_bound

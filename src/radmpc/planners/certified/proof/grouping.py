@@ -20,6 +20,7 @@ __all__ = [
     "keep_latest",
     "parts_of",
     "proven_within",
+    "surplus",
 ]
 
 Proven = Mapping[Members, Mapping[Members, "RelaxedSet"]]
@@ -47,29 +48,42 @@ def parts_of(sets: Sequence[Members]) -> tuple[Members, ...]:
 
 
 def keep_latest(
-    proven: dict[Members, Mapping[Members, RelaxedSet]],
+    known: dict[Members, Mapping[Members, RelaxedSet]],
     members: Members,
     latest: Mapping[Members, RelaxedSet],
 ) -> None:
-    """Keep what is known of a part; leave behind what others search, beyond so many rows.
+    """Keep what is known of some vehicles; leave behind what others search, beyond so many rows.
 
     Parameters
     ----------
-    proven : dict of tuple of int to mapping of tuple of int to RelaxedSet
-        What is known of parts, the latest last; changed in place.
+    known : dict of tuple of int to mapping of tuple of int to RelaxedSet
+        What is known, the latest last; changed in place.
     members : tuple of int
-        The part.
+        The vehicles.
     latest : mapping of tuple of int to RelaxedSet
-        What is known of it now.
+        What is known of them now.
     """
-    proven.pop(members, None)
-    proven[members] = latest
-    kept = 0
-    for part, sets in reversed(proven.items()):
-        rows = sum(found.num_rows for found in sets.values())
-        if kept and kept + rows > TUNING.most_rows:
-            proven[part] = {m: found.left_behind() for m, found in sets.items()}
-        kept += rows
+    known.pop(members, None)
+    known[members] = latest
+    rows = {m: sum(found.num_rows for found in sets.values()) for m, sets in known.items()}
+    for part in surplus(rows):
+        known[part] = {m: found.left_behind() for m, found in known[part].items()}
+
+
+def surplus(rows: dict[Members, int]) -> list[Members]:
+    """Return whose rows are beyond as many as are kept; the latest are kept in any case.
+
+    Parameters
+    ----------
+    rows : dict of tuple of int to int
+        Rows that are kept of some vehicles, the latest last [-].
+    """
+    kept, found = 0, []
+    for members, count in reversed(rows.items()):
+        if count and kept and kept + count > TUNING.most_rows:
+            found.append(members)
+        kept += count
+    return found
 
 
 def proven_within(members: Members, proven: Proven) -> dict[Members, RelaxedSet]:

@@ -10,6 +10,7 @@ import numpy as np
 from radmpc.arrays import Tensor
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.nearby import Surroundings
+from radmpc.planners.certified.proof.grouping import surplus
 from radmpc.planners.certified.proof.part import Part, PartAnswer, PartOrder, PartTask
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import in_empty_space, within_tube
@@ -159,11 +160,8 @@ class _PartSearch:
         """
         self.sets.pop(blocks, None)
         self.sets[blocks] = found
-        kept = 0
-        for members, known in reversed(self.sets.items()):
-            if kept and kept + known.num_rows > TUNING.most_rows:
-                self.sets[members] = known.left_behind()
-            kept += known.num_rows
+        for members in surplus({m: known.num_rows for m, known in self.sets.items()}):
+            self.sets[members] = self.sets[members].left_behind()
 
     def _paths(self, blocks: Members) -> Tensor:
         """Return the mean positions of a set in the plan at hand, (N, T+1, d) [m]."""

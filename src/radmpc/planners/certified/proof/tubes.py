@@ -22,7 +22,7 @@ __all__ = ["in_empty_space", "within_tube"]
 def in_empty_space(scenario: Scenario, model: CondensedModel) -> DisjunctiveProgram:
     """Return the program of a vehicle alone, without any obstacles.
 
-    Among two hundred boxes it takes a hundredth of the memory of that with them.
+    Among two hundred boxes it takes a tenth of the memory of that with them.
 
     Parameters
     ----------

@@ -2,7 +2,7 @@
 
 Large neighborhood search for multi-agent path finding (Li et al. 2021). A depth-first search over
 configurations ends with the first solution, in which vehicles wander and wait; on 32 x 32 cells 40
-of them come 157 ticks late in all, and 16 after a second of this. A route is a shortest path over
+of them come 157 ticks late in all, and 15 after 0.3 s of this. A route is a shortest path over
 (node, tick), found by A* with the distances in the graph.
 """
 
