@@ -11,10 +11,7 @@ from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.solvers.solution import Limits
 
-__all__ = ["keep_places", "plan_near"]
-
-_LITTLE = 1e-7
-"""What half-spaces may be missed by [m]."""
+__all__ = ["keep_places", "plan_near", "who_misses"]
 
 
 def keep_places(
@@ -45,11 +42,10 @@ def keep_places(
     bool
         Whether nobody misses anything.
     """
-    everyone = range(successive.hazards.count)
     successive.missed[:] = np.inf
     least, num_stuck = np.inf, 0
     for sweep in range(max_sweeps):
-        missing = [i for i in everyone if successive.missed[i] > _LITTLE]
+        missing = who_misses(successive)
         if not missing:
             return True
         again = set(missing)
@@ -65,7 +61,18 @@ def keep_places(
         if num_stuck >= TUNING.stuck:
             break
         penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
-    return bool((successive.missed <= _LITTLE).all())
+    return not who_misses(successive)
+
+
+def who_misses(successive: SuccessiveLp) -> list[int]:
+    """Return the vehicles whose latest paths miss any of their half-spaces, in order.
+
+    Parameters
+    ----------
+    successive : SuccessiveLp
+        The latest paths.
+    """
+    return np.flatnonzero(successive.missed > NARROW.negligible).tolist()
 
 
 def plan_near(successive: SuccessiveLp, i: int, clearance: float, penalty: float) -> None:
@@ -99,12 +106,13 @@ def _lack(successive: SuccessiveLp, i: int, clearance: float) -> float:
     spaces = half_spaces(successive.hazards, successive.paths, (i,), near)
     lacks = spaces.offsets + clearance * spaces.deviations - spaces.heights
     lacks[spaces.windows == 0, 0] = 0.0  # where it starts is given
-    return float(np.where(lacks > _LITTLE, lacks, 0.0).max(initial=0.0))
+    return float(np.where(lacks > NARROW.negligible, lacks, 0.0).max(initial=0.0))
 
 
 def _in_the_way(successive: SuccessiveLp, missing: list[int], clearance: float) -> set[int]:
     """Return the vehicles of which others do not keep clear."""
     near = Near(clearance, 0.0, is_refined=False)
     spaces = half_spaces(successive.hazards, successive.paths, sorted(missing), near)
-    is_close = (spaces.clearances < clearance - _LITTLE).any(axis=1) & (spaces.second >= 0)
+    is_close = (spaces.clearances < clearance - NARROW.negligible).any(axis=1)
+    is_close &= spaces.second >= 0
     return {*spaces.first[is_close].tolist(), *spaces.second[is_close].tolist()}

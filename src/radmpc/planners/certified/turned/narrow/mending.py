@@ -5,16 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor
-from radmpc.planners.certified.turned.narrow.at_pace import plan_near
+from radmpc.planners.certified.turned.narrow.at_pace import plan_near, who_misses
 from radmpc.planners.certified.turned.narrow.tuning import TUNING as NARROW
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.solvers.solution import Limits
 
 __all__ = ["mended"]
-
-_LITTLE = 1e-7
-"""What half-spaces may be missed by [m]."""
 
 _WAVES = 6
 """Waves that a pace is made of [-]."""
@@ -50,11 +47,11 @@ def mended(
     bool
         Whether nobody misses anything.
     """
-    missing = [i for i in np.argsort(-successive.missed).tolist() if successive.missed[i] > _LITTLE]
+    missing = sorted(who_misses(successive), key=lambda i: -successive.missed[i])
     if len(missing) <= NARROW.mended:
         for i in missing:
             _mend(successive, i, places[i], clearance, rng, limits)
-    return bool((successive.missed <= _LITTLE).all())
+    return not who_misses(successive)
 
 
 def _mend(
@@ -69,7 +66,7 @@ def _mend(
     least, controls = float(successive.missed[i]), successive.paths.controls[i]
     base = places
     for number in range(NARROW.paces):
-        if least <= _LITTLE or limits.reached:
+        if least <= NARROW.negligible or limits.reached:
             break
         strength = NARROW.strengths[number % len(NARROW.strengths)]
         tried = _paced_otherwise(base if number % 2 else places, strength, rng)
@@ -86,7 +83,7 @@ def _missed(successive: SuccessiveLp, i: int, clearance: float) -> float:
     for number in range(NARROW.mending_rounds):
         plan_near(successive, i, clearance, penalty)
         missed = float(successive.missed[i])
-        if missed <= _LITTLE or (number > 0 and missed > TUNING.stuck_at * before):
+        if missed <= NARROW.negligible or (number > 0 and missed > TUNING.stuck_at * before):
             break
         before, penalty = missed, TUNING.penalty_growth * penalty
     return float(successive.missed[i])

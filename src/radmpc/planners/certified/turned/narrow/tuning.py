@@ -20,6 +20,8 @@ class Tuning:
     further : float
         How far around its places one looks, once a vehicle came near what was not seen there, in
         multiples of how far it strayed [-].
+    negligible : float
+        What a half-space may be missed by [m].
     mended : int
         Vehicles of a large fleet that miss anything up to which other paces are drawn for each [-].
     paces : int
@@ -100,6 +102,7 @@ class Tuning:
 
     alone_sweeps: int = 2
     further: float = 1.5
+    negligible: float = 1e-7
     mended: int = 8
     paces: int = 12
     strengths: tuple[float, ...] = (0.3, 0.6, 1.0, 1.5, 2.5)
