@@ -13,6 +13,7 @@ from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.sure import sure_why_not
+from radmpc.planners.certified.phases.by_faces import bound_faces_of_each
 from radmpc.planners.certified.phases.improving import cheaper, improved, turned_to_others
 from radmpc.planners.certified.phases.searching import SearchResult, searched, tell
 from radmpc.planners.certified.phases.time_shares import but_for_proof
@@ -109,6 +110,9 @@ class Certified(Decomposition):
         improving = fleet.with_limits(but_for_proof(run.limits, time.perf_counter() - begun))
         state = improved(improving, state, first, run.judge)
         run.progress("proving", 0, 1)
+        most_nodes = _nodes_of_proof(fleet, state) if result.stopped_by is None else float("inf")
+        state = bound_faces_of_each(improving, state, most_nodes)
+        tell(run, state.incumbent.cost, reported_bound(fleet, state, planner.gap))
         proof = self._proof(fleet.with_limits(run.limits), state, result.proven)
         state = turned_to_others(fleet.with_limits(run.limits), state, proof, run.judge)
         on_any = min(max(proof.bound, result.on_any), state.incumbent.cost)
@@ -120,11 +124,15 @@ class Certified(Decomposition):
         if self.proof_seconds is not None:
             fleet = fleet.with_limits(fleet.limits.within(self.proof_seconds))
         else:
-            searched = sum(each.all_nodes for each in state.set_states.values())
-            few = min(fleet.scenario.num_vehicles, PROOF_TUNING.most_together)
-            least = PROOF_TUNING.least_nodes * few
-            most_nodes = max(least, PROOF_TUNING.node_share * searched)
+            most_nodes = _nodes_of_proof(fleet, state)
         return bound_on_any(fleet, state.incumbent, price, most_nodes, proven)
+
+
+def _nodes_of_proof(fleet: Fleet, state: SearchState) -> float:
+    """Return the nodes that a bound may take after the search for the plan."""
+    searched = sum(each.all_nodes for each in state.set_states.values())
+    few = min(fleet.scenario.num_vehicles, PROOF_TUNING.most_together)
+    return max(PROOF_TUNING.least_nodes * few, PROOF_TUNING.node_share * searched)
 
 
 def _draft(

@@ -6,6 +6,7 @@ from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.merging import owners_of
+from radmpc.planners.certified.phases.by_faces import bound_faces
 from radmpc.planners.certified.phases.tuning import TUNING
 from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.search import BoundSearch
@@ -144,19 +145,9 @@ class Around:
 
     def bound_faces(self) -> None:
         """Bound plans by faces whose union bound is at most Δ."""
-        fleet, incumbent = self.fleet, self.state.incumbent
-        left = fleet.scenario.risk_bound - fleet.initial
-        if left <= 0.0:
-            return
-        base = float(sum(fleet.base))
         # At the price of the relaxation, whose values serve here.
         price = self._price() if self.price is None else self.price
-        search = BoundSearch(
-            fleet, incumbent, price, base, self.most_nodes, is_by_faces=True, below=self.proven
-        )
-        search.run()
-        bounds = (*self.state.budget_bounds, (left, min(search.best, incumbent.cost)))
-        self.state = replace(self.state, budget_bounds=bounds)
+        self.state = bound_faces(self.fleet, self.state, price, self.most_nodes, self.proven)
 
     def _price(self) -> float:
         """Return what Δ was worth to the plan at hand when it was turned last, or a guess."""

@@ -10,7 +10,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.ended import ended
-from radmpc.planners.certified.phases.time_shares import limits_of_search
+from radmpc.planners.certified.phases.time_shares import but_for_faces, limits_of_search
 from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.search import PriceSearch
@@ -97,6 +97,8 @@ def searched(
     begin = limits_of_search(run.limits)
     is_tight = _is_tight(scenario)
     first = _first(scenario, planner.gap, run, begin, hazards, is_needed=is_tight)
+    if first.controls and scenario.obstacles and not is_tight:
+        begin = but_for_faces(begin, run.limits)
     fleet = _fleet(scenario, planner.gap, run, begin, hazards, first.cost)
     search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)
     if not fleet.programs.build_alone(run.limits):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from radmpc.planners.certified.phases.tuning import TUNING as PHASES
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.solvers.solution import Limits
 
-__all__ = ["but_for_proof", "limits_of_search"]
+__all__ = ["but_for_faces", "but_for_proof", "limits_of_search"]
 
 
 def limits_of_search(limits: Limits) -> Limits:
@@ -22,6 +23,22 @@ def limits_of_search(limits: Limits) -> Limits:
         return limits
     kept = max(TUNING.time_share * seconds, min(TUNING.seconds, TUNING.most_time_share * seconds))
     return limits.within(seconds - kept - PROOF_TUNING.reserve * seconds)
+
+
+def but_for_faces(search: Limits, limits: Limits) -> Limits:
+    """Return limits of a search that leave time for bounding plans by faces after it.
+
+    Parameters
+    ----------
+    search : Limits
+        Of the search.
+    limits : Limits
+        Of the plan.
+    """
+    left = limits.seconds_left
+    if left == float("inf"):
+        return search
+    return search.within(max(search.seconds_left - PHASES.face_share * left, 0.0))
 
 
 def but_for_proof(limits: Limits, elapsed: float) -> Limits:

@@ -1,0 +1,104 @@
+"""The bound on plans by faces whose union bound is at most Δ, searched at the plan's price."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.phases.tuning import TUNING
+from radmpc.planners.certified.proof.grouping import Proven
+from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
+from radmpc.planners.certified.state.bounds import is_proven, shadow_price
+from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.records import replace
+
+__all__ = ["bound_faces", "bound_faces_of_each"]
+
+
+def bound_faces(
+    fleet: Fleet,
+    state: SearchState,
+    price: float,
+    most_nodes: float,
+    below: Proven = MappingProxyType({}),
+) -> SearchState:
+    """Bound plans by faces whose union bound is at most Δ, by the sets of the plan at hand.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet, with the limits that end this.
+    state : SearchState
+        With a plan.
+    price : float
+        A shadow price of the risk, per unit of probability.
+    most_nodes : float
+        Nodes after which no set is searched on [-].
+    below : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+        What is known of relaxations at that price.
+
+    Returns
+    -------
+    SearchState
+        With that bound.
+    """
+    left = fleet.scenario.risk_bound - fleet.initial
+    if left <= 0.0:
+        return state
+    from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - not who meets nobody
+
+    base = float(sum(fleet.base))
+    search = BoundSearch(
+        fleet, state.incumbent, price, base, most_nodes, is_by_faces=True, below=below
+    )
+    search.run()
+    return _with_bound(state, left, search.best)
+
+
+def bound_faces_of_each(fleet: Fleet, state: SearchState, most_nodes: float) -> SearchState:
+    """Bound them where a search left a gap: every vehicle alone first, then sets.
+
+    A search at a price counts union bounds up to what the referee may leave of them, many times Δ,
+    and its sets share that. Here a vehicle risks Δ at most, and in narrow ways it is what each has
+    to go around that makes plans dear.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet, with the limits that end this.
+    state : SearchState
+        With a plan.
+    most_nodes : float
+        Nodes after which no set is searched on [-].
+
+    Returns
+    -------
+    SearchState
+        With that bound; as it is where the gap asked for is proven, or in large fleets.
+    """
+    left = fleet.scenario.risk_bound - fleet.initial
+    is_asked = not (fleet.is_large or fleet.scenario.has_windows)
+    if left <= 0.0 or not is_asked or fleet.limits.reached or is_proven(fleet, state):
+        return state
+    from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - few need it
+
+    price = shadow_price(fleet, state)
+    if price is None:
+        price = fleet.first_unit_price(state.budget) / fleet.unit
+    base, incumbent = float(sum(fleet.base)), state.incumbent
+    search = BoundSearch(fleet, incumbent, price, base, most_nodes, is_by_faces=True)
+    for sets in dict.fromkeys((fleet.singles, incumbent.sets)):
+        search.regroup(sets)
+        for effort in range(TUNING.efforts):
+            before = search.nodes
+            # What it is told of the gap does not count: here every bit of bound does.
+            search.advance(PROOF_TUNING.nodes, effort, search.order)
+            if search.is_over or search.nodes == before:
+                break
+    return _with_bound(state, left, search.best)
+
+
+def _with_bound(state: SearchState, left: float, bound: float) -> SearchState:
+    """Return the state with a bound on plans whose union bound comes to what is left of Δ."""
+    bounds = (*state.budget_bounds, (left, min(bound, state.incumbent.cost)))
+    return replace(state, budget_bounds=bounds)

@@ -1,0 +1,88 @@
+"""The bound on plans by faces after a search that left a gap: it holds, and is worth asking for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from radmpc.experiments.families import clutter, fleet, paper
+from radmpc.model.scenario import Scenario
+from radmpc.planners import Branch, Centralized, Ira, Planner
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.phases import by_faces, time_shares
+from radmpc.planners.certified.phases.by_faces import bound_faces_of_each
+from radmpc.planners.certified.state.bounds import reported_bound
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planning import plan
+from radmpc.solvers.solution import Limits
+
+
+def left_open(
+    scenario: Scenario, planner: Planner, factor: float, price: float
+) -> tuple[Fleet, SearchState, float]:
+    """A search that proved nothing, with a plan said to be dearer than it is; and its true cost."""
+    result = plan(scenario, planner)
+    controls = tuple(t.controls for t in result.require().trajectories)
+    cost = result.cost
+    assert cost is not None
+    together = (tuple(range(len(controls))),)
+    incumbent = FleetIncumbent(
+        controls, factor * cost, together, certified=scenario.risk_bound, turned_price=price
+    )
+    problem = Fleet.of(scenario, 1e-3, Limits())
+    return problem, replace(SearchState.of(problem), incumbent=incumbent), cost
+
+
+@pytest.mark.parametrize("price", [0.5, 2.0, 8.0])
+def test_no_plan_within_the_union_bound_is_below_it(price: float) -> None:
+    centralized = Planner(Ira(), Branch(), Centralized())
+    problem, state, cost = left_open(paper(2, 0), centralized, 1.5, price)
+    bounded = bound_faces_of_each(problem, state, 4000.0)
+    bound = reported_bound(problem, bounded, problem.gap)
+    assert sum(problem.base) * 1.02 < bound <= cost * (1.0 + 1e-6)
+
+
+@pytest.mark.slow
+def test_among_boxes_it_comes_near_what_each_vehicle_has_to_go_around() -> None:
+    scenario = replace(clutter(2, 20, 3), avoidance="steps")
+    centralized = Planner(Ira(), Branch(), Centralized())
+    problem, state, cost = left_open(scenario, centralized, 1.3, 1.0)
+    bounded = bound_faces_of_each(problem, state, 20_000.0)
+    bound = reported_bound(problem, bounded, problem.gap)
+    assert 0.9 * cost <= bound <= cost * (1.0 + 1e-6)
+
+
+def test_it_ends_with_its_nodes() -> None:
+    problem, state, _ = left_open(paper(2, 0), Planner(Ira(), Branch(), Centralized()), 1.5, 2.0)
+    few, many = (bound_faces_of_each(problem, state, nodes) for nodes in (20.0, 4000.0))
+    bounds = [reported_bound(problem, one, problem.gap) for one in (few, many)]
+    assert bounds[0] < bounds[1]
+
+
+@pytest.mark.parametrize(
+    "case", ["proven", "stopped", "large"], ids=["gap proven", "time is up", "large fleet"]
+)
+def test_it_is_asked_for_only_where_it_may_count(
+    case: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = fleet(49, 0) if case == "large" else paper(2, 0)
+    problem = Fleet.of(scenario, 1e-3, Limits())
+    assert problem.is_large == (case == "large")
+    cost = 1.2 * float(sum(problem.base))
+    state = replace(SearchState.of(problem), incumbent=FleetIncumbent((), cost, problem.singles))
+    monkeypatch.setattr(by_faces, "shadow_price", lambda *_: pytest.fail("a bound is searched"))
+    if case == "proven":
+        state = replace(state, budget_bounds=((scenario.risk_bound, cost),))
+    if case == "stopped":
+        problem = problem.with_limits(Limits(is_stopped=lambda: True))
+    assert bound_faces_of_each(problem, state, 1000.0) is state
+
+
+def test_a_search_leaves_it_time_of_the_limit() -> None:
+    limits = Limits().within(100.0)
+    search = time_shares.limits_of_search(limits)
+    left = search.seconds_left - time_shares.but_for_faces(search, limits).seconds_left
+    assert left == pytest.approx(25.0, abs=1.0)
+    assert time_shares.but_for_faces(Limits(), Limits()).seconds_left == float("inf")
