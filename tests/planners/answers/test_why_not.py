@@ -18,7 +18,7 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners import Centralized, Ira, Planner
-from radmpc.planners.certified import fallbacks
+from radmpc.planners.certified import certified, fallbacks
 from radmpc.planners.certified.infeasible.least_risk import least_risk
 from radmpc.planners.certified.phases import searching
 from radmpc.planners.certified.search import PriceSearch
@@ -192,6 +192,7 @@ def test_the_safest_plan_found_on_the_way_is_returned_if_the_referee_certifies_i
     monkeypatch.setattr(searching, "first_plan", lambda *_, **__: FleetIncumbent())
     # As where simple bounds see no plan at all: the search for the reason finds the safest one.
     monkeypatch.setattr(PriceSearch, "run", lambda self, state: state)
+    monkeypatch.setattr(certified, "bound_faces_of_each", lambda fleet, state, most_nodes: state)
     monkeypatch.setattr(fallbacks, "turn_from_noiseless", lambda fleet, state, judge: state)
     result = plan(paper(3, 2), "certified")
     assert result.status is Status.FEASIBLE

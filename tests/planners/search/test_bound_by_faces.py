@@ -12,6 +12,7 @@ from radmpc.planners import Branch, Centralized, Ira, Planner
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.phases import by_faces, time_shares
 from radmpc.planners.certified.phases.by_faces import bound_faces_of_each
+from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.state.bounds import reported_bound
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
@@ -78,6 +79,19 @@ def test_it_is_asked_for_only_where_it_may_count(
     if case == "stopped":
         problem = problem.with_limits(Limits(is_stopped=lambda: True))
     assert bound_faces_of_each(problem, state, 1000.0) is state
+
+
+def test_a_plan_is_not_called_the_best_where_faces_leave_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    problem, state, _ = left_open(paper(2, 0), Planner(Ira(), Branch(), Centralized()), 1.5, 2.0)
+
+    def blocked(self: RelaxedSet, _: Limits, price: float, *rest: object) -> RelaxedSet:
+        return replace(self, bound=float("inf"), price=price)
+
+    monkeypatch.setattr(RelaxedSet, "searched", blocked)
+    bounded = bound_faces_of_each(problem, state, 4000.0)
+    assert not bounded.budget_bounds
 
 
 def test_a_search_leaves_it_time_of_the_limit() -> None:

@@ -74,7 +74,8 @@ def bound_faces_of_each(fleet: Fleet, state: SearchState, most_nodes: float) -> 
     Returns
     -------
     SearchState
-        With that bound; as it is where the gap asked for is proven, or in large fleets.
+        With that bound; as it is where the gap asked for is proven, in large fleets, and where no
+        plan by faces is within Δ.
     """
     left = fleet.scenario.risk_bound - fleet.initial
     is_asked = not (fleet.is_large or fleet.scenario.has_windows)
@@ -95,7 +96,8 @@ def bound_faces_of_each(fleet: Fleet, state: SearchState, most_nodes: float) -> 
             search.advance(PROOF_TUNING.nodes, effort, search.order)
             if search.is_over or search.nodes == before:
                 break
-    return _with_bound(state, left, search.best)
+    # Where faces leave no plan at all, the one at hand is best among none.
+    return _with_bound(state, left, search.best) if search.best < float("inf") else state
 
 
 def _with_bound(state: SearchState, left: float, bound: float) -> SearchState:
