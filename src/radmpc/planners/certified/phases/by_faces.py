@@ -64,12 +64,8 @@ def bound_faces_of_each(fleet: Fleet, state: SearchState, most_nodes: float) -> 
 
     Parameters
     ----------
-    fleet : Fleet
-        The fleet, with the limits that end this.
-    state : SearchState
-        With a plan.
-    most_nodes : float
-        Nodes after which no set is searched on [-].
+    fleet, state, most_nodes
+        As in `bound_faces`.
 
     Returns
     -------
