@@ -118,7 +118,8 @@ def all_outputs(models: Sequence[CondensedModel], num_columns: int) -> tuple[csr
     """
     positions, drift = mean_positions(models, num_columns)
     # scipy's identity comes by way of diagonals, for which numpy loads its masked arrays.
-    each = np.arange(num_columns + 1)
+    # It takes over the numbers of rows and columns as they are: small ones, as everywhere.
+    each = np.arange(num_columns + 1, dtype=np.int32)
     columns = csr_array((np.ones(num_columns), each[:-1], each), shape=(num_columns, num_columns))
     return csr_array(vstack([positions, columns])), np.concatenate([drift, np.zeros(num_columns)])
 
