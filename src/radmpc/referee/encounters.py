@@ -14,8 +14,8 @@ from radmpc.referee.sites import Sites
 __all__ = ["Encounters", "around", "blocks", "instant_sites", "interval_sites", "sites_at"]
 
 _BLOCK = 1_000_000
-"""Numbers in the largest temporary array of one block [-]: twice as many take 20 MB more and are 3 %
-faster for 200 drones in a box, half as many are 7 % slower."""
+"""Numbers in the largest temporary array of one block [-]: twice as many take 20 MB more and are
+3 % faster for 200 drones in a box, half as many are 7 % slower."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

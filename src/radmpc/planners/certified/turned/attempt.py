@@ -127,3 +127,23 @@ class Attempt:
         if self.rng is None:
             return False
         return mended(successive, places, clearance, self.rng, limits)
+
+    def replan_jointly(self, clearance: float, limits: Limits) -> bool:
+        """Plan the few that miss room with those in their way; tell whether turning may succeed.
+
+        Parameters
+        ----------
+        clearance : float
+            Standard deviations that everyone was to keep from everything [-].
+        limits : Limits
+            When to stop.
+        """
+        from radmpc.planners.certified.turned.narrow.joint_replanning import replan_jointly  # noqa: PLC0415 - few need it
+        from radmpc.planners.certified.turned.narrow.tuning import TUNING as NARROW  # noqa: PLC0415 - few need it
+
+        turning, hopeful = self.turning, TUNING.hopeful * self.turning.task.risk_bound
+        if turning.certified() <= turning.task.risk_bound:
+            return True
+        price = NARROW.joint_price * turning.price
+        is_resolved = replan_jointly(turning.successive, clearance, price, hopeful, limits)
+        return is_resolved and turning.certified() <= hopeful

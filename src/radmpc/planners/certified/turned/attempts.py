@@ -97,14 +97,14 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
         missed = float(successive.missed.sum())
         is_hopeful = is_apart or missed <= allowed
         is_near = missed <= TUNING.most_missed * float(radii.sum())
-        if is_maze and is_near and kept == begin.clearance:
-            # What few miss costs less risk than all come near each other with less clearance.
-            is_hopeful = attempt.turning.certified() <= TUNING.hopeful * begin.task.risk_bound
+        if is_maze and is_near:
+            is_hopeful = attempt.replan_jointly(kept, limits)
         if is_hopeful:
             found, was_turned = attempt.run(), True
             if found.controls:
                 return missed, found, True
-        if not is_near:
+        if not is_near or is_maze:
+            # What few miss costs less risk than all come near each other with less clearance.
             break
     return missed, FleetIncumbent(), was_turned
 

@@ -89,7 +89,7 @@ def first_plan(
     price *= _dear(is_maze=is_maze) * alone.cost() / task.risk_bound
     routes = _routes(task, alone, stopped, clearance)
     is_aside = is_easy and not (is_needed or is_short)
-    seconds = _seconds(task, is_aside=is_aside)
+    seconds = _seconds(task, is_aside=is_aside, is_maze=is_maze)
     # Where few meet, the relaxation tells the sides soon.
     is_any = is_easy and is_needed
     to_choose = None if visits is None else visits.to_choose
@@ -111,10 +111,12 @@ def _dear(*, is_maze: bool) -> float:
     return TUNING.first_dear_in_mazes if is_maze else TUNING.first_dear
 
 
-def _seconds(task: Task, *, is_aside: bool) -> float:
+def _seconds(task: Task, *, is_aside: bool, is_maze: bool) -> float:
     """Return after how long no other attempt is begun [s]."""
     time_share = TUNING.easy_share if is_aside else TUNING.first_time_share
-    return min(TUNING.first_seconds, time_share * task.limits.seconds_left)
+    # Searching sets finds no plan where many share narrow ways.
+    most = np.inf if is_maze else TUNING.first_seconds
+    return float(min(most, time_share * task.limits.seconds_left))
 
 
 def _routes(task: Task, alone: Paths, stopped: np.ndarray, clearance: float) -> dict[int, Matrix]:

@@ -32,6 +32,16 @@ class Tuning:
     mending_rounds, mending_penalty : int, float
         Times that a vehicle is planned along one at most [-], and the first penalty of a meter
         missed, see `Tuning.first_penalty` of `turned` [-].
+    joint_count : int
+        Vehicles that are planned together at most, one that misses room and those in its way [-].
+    joint_rounds : int
+        Times that they are, at most [-].
+    joint_price : float
+        What they pay for risk, in multiples of the price that all begin with [-].
+    joint_enough : float
+        Share of the hopeful risk, see `Tuning.hopeful` of `turned`, at which theirs is small [-].
+    joint_stays : float
+        Share of the risk of the round before above which it stays [-].
     grid_points : int
         Points of the grid along its longest axis [-].
     coarse : float
@@ -108,6 +118,11 @@ class Tuning:
     strengths: tuple[float, ...] = (0.3, 0.6, 1.0, 1.5, 2.5)
     mending_rounds: int = 4
     mending_penalty: float = 660.0
+    joint_count: int = 8
+    joint_rounds: int = 6
+    joint_price: float = 20.0
+    joint_enough: float = 0.03
+    joint_stays: float = 0.95
     grid_points: int = 160
     coarse: float = 1.5
     straight_points: int = 24
