@@ -27,7 +27,7 @@ from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 from running import first_plan
 
-INSTANCES = Path(__file__).parents[3] / "instances"
+INSTANCES = Path(__file__).parents[4] / "instances"
 CROWD = INSTANCES / "libMultiRobotPlanning" / "map_32by32_obst204_agents20_ex3.yaml"
 
 KNOT = CROWD.parent / "map_8by8_obst12_agents12_ex96.yaml"
