@@ -165,7 +165,7 @@ class PathSearch:
                     displacements[k - 1], displacements[k], lattice.stride, lattice.reach
                 )
                 values = changed(values, tables)
-            risks, is_blocked, known = self._risks(lattice, k, known)
+            risks, is_blocked = self._risks(lattice, k, known)
             values += weight * risks
             values[is_blocked | (risks > min(self.unit, CONVEX_RISK))] = INFEASIBLE
             values = shifted(values)
@@ -221,14 +221,11 @@ class PathSearch:
 
     def _risks(
         self, lattice: Lattice, k: int, known: SlacksByKey
-    ) -> tuple[Float32, npt.NDArray[np.bool_], SlacksByKey]:
+    ) -> tuple[Float32, npt.NDArray[np.bool_]]:
         """Return what every displacement risks in the window after a step, and which are blocked.
 
-        What stands still is measured once while the lattice stands, too: `known` has the slacks of
-        the window before, and those of this one are returned. Kept for all windows they are tens of
-        megabytes among two hundred boxes.
+        What stands still is measured once: `known` keeps it from window to window.
         """
-        used: SlacksByKey = {}
         width = 2 * lattice.reach + 1
         shape = (width, width, *lattice.shape)
         risks = np.zeros(width * width * lattice.shape[0] * lattice.shape[1])
@@ -237,18 +234,17 @@ class PathSearch:
         displacement = lattice.reference[k + 1] - here
         for avoidance in self._avoidances[k]:
             key = (avoidance.key, *here, *displacement)
-            slacks = used.get(key) or known.get(key)
-            if slacks is None:
+            if key not in known:
                 bounds = self._slack_bounds(avoidance)
-                slacks = slacks_of(lattice, here, displacement, avoidance, bounds)
-            used[key] = slacks
+                known[key] = slacks_of(lattice, here, displacement, avoidance, bounds)
+            slacks = known[key]
             blocked = slacks.blocked(risks.size)
             if blocked is not None:
                 is_blocked |= blocked
             if slacks.numbers.size:
                 clearances = slacks.values / avoidance.deviation
                 risks[slacks.numbers] += tail_of(clearances, self.program.tail)
-        return risks.reshape(shape).astype(np.float32), is_blocked.reshape(shape), used
+        return risks.reshape(shape).astype(np.float32), is_blocked.reshape(shape)
 
     def _slack_bounds(self, avoidance: AvoidanceHalfPlanes) -> tuple[float, float]:
         """Return the slack that is too little whatever the risk, and what counts as little [m]."""
