@@ -14,6 +14,7 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.certified import inter_set_risk
 from radmpc.planners.certified.inter_set_risk import pair_risks_across_sets
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
@@ -132,3 +133,23 @@ def test_the_risk_between_sets_is_that_of_relative_positions():
     expected = tail_probability(0.5 / np.sqrt(covariances[:, 0, 0])).sum()
     assert opposite[0, 1] == pytest.approx(expected, rel=1e-9)
     assert alike[0, 1] < independent[0, 1] < opposite[0, 1]
+
+
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+def test_the_risks_between_sets_are_the_same_however_many_pairs_are_looked_at_at_once(
+    avoidance: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    two = passing(("wind", GUST), ("wind", -GUST), avoidance=avoidance)
+    names = ("a", "b", "c", "d")
+    vehicles = [replace(two.vehicles[k % 2], name=name) for k, name in enumerate(names)]
+    scenario = replace(two, vehicles=tuple(vehicles))
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    rng = np.random.default_rng(5)
+    means = rng.normal(0.0, 0.8, (4, 7, 2))
+    sagittas = rng.normal(0.0, 0.02, (4, 6, 2))
+    arguments = (scenario, means, hazards.covariances, np.arange(4), sagittas, hazards.common)
+    together = pair_risks_across_sets(*arguments)
+    assert len(set(together.values())) > 3
+    for block in (1, 60):
+        monkeypatch.setattr(inter_set_risk, "_BLOCK", block)
+        assert pair_risks_across_sets(*arguments) == together

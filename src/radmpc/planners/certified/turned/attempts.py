@@ -85,7 +85,10 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
     begun = successive.paths.state()
     clearances, was_turned = [begin.clearance, TUNING.narrower * begin.clearance], False
     is_maze = bool(begin.routes) and begin.task.hazards.count > TUNING.few
-    if begin.routes and not begin.is_quick and not is_maze:
+    if is_maze:
+        # What few miss costs less risk than all coming nearer each other.
+        clearances = [begin.clearance]
+    elif begin.routes and not begin.is_quick:
         # Among obstacles full clearance forces wide bends, and turning shares risk better; in large
         # fleets it takes seconds, and paths with full clearance are nearly certified before it.
         clearances.reverse()
@@ -103,8 +106,7 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
             found, was_turned = attempt.run(), True
             if found.controls:
                 return missed, found, True
-        if not is_near or is_maze:
-            # What few miss costs less risk than all come near each other with less clearance.
+        if not is_near:
             break
     return missed, FleetIncumbent(), was_turned
 

@@ -114,7 +114,7 @@ def _dear(*, is_maze: bool) -> float:
 def _seconds(task: Task, *, is_aside: bool, is_maze: bool) -> float:
     """Return after how long no other attempt is begun [s]."""
     time_share = TUNING.easy_share if is_aside else TUNING.first_time_share
-    # Searching sets finds no plan where many share narrow ways.
+    # Where many share narrow ways, the search among faces has led to no plan.
     most = np.inf if is_maze else TUNING.first_seconds
     return float(min(most, time_share * task.limits.seconds_left))
 

@@ -1,4 +1,4 @@
-"""Room for the few that miss some: planned with those in their way, at a high price of risk."""
+"""Joint replanning of the few that miss room, with those in their way, at a high price of risk."""
 
 from __future__ import annotations
 
