@@ -11,6 +11,7 @@ from radmpc.program.allocation import margins_of
 from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM, encode
+from radmpc.solvers.milp.highs import HighsBackend
 from radmpc.solvers.milp.scip import ScipBackend
 from radmpc.solvers.solution import Limits, Outcome
 from running import need_gurobi
@@ -70,6 +71,26 @@ def test_branch_big_m_and_enumeration_find_the_same_optimum(seed):
             assert solution.outcome is Outcome.OPTIMAL
             assert solution.cost == pytest.approx(truth, rel=1e-5)
             assert solution.bound <= truth * (1 + 1e-6)
+
+
+def test_points_that_cost_more_than_allowed_are_none() -> None:
+    _, program, margins, _ = _problem(0)
+    model = encode(program, margins)
+    least = HighsBackend().minimize(model, GAP, Limits()).bound
+    over, under = (model.costing_at_most(share * least) for share in (1.01, 0.99))
+    allowed = HighsBackend().minimize(over, GAP, Limits())
+    assert allowed.bound == pytest.approx(least, rel=1e-5)
+    assert HighsBackend().minimize(under, GAP, Limits()).outcome is Outcome.INFEASIBLE
+
+
+def test_a_tree_that_is_cut_short_proves_less() -> None:
+    _, program, margins, _ = _problem(17)
+    model = encode(program, margins)
+    whole = HighsBackend().minimize(model, GAP, Limits())
+    cut = HighsBackend(most_nodes=5).minimize(model, GAP, Limits())
+    assert cut.nodes <= 5 < whole.nodes
+    assert cut.outcome in {Outcome.LIMIT, Outcome.FEASIBLE}
+    assert cut.bound < whole.bound
 
 
 def test_some_problems_have_a_face_that_opens_a_start_or_goal():

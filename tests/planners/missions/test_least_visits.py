@@ -187,7 +187,7 @@ class _Fleet:
 
     limits: Limits
     programs: SimpleNamespace
-    visit_costs: tuple[float, ...] = ()
+    least_costs: tuple[float, ...] = ()
 
 
 def test_a_vehicle_whose_steps_are_hard_to_choose_leaves_the_others_their_time(
@@ -204,6 +204,6 @@ def test_a_vehicle_whose_steps_are_hard_to_choose_leaves_the_others_their_time(
     monkeypatch.setattr(least_visits, "least_cost", slow)
     fleet = _Fleet(Limits(deadline=100.0), SimpleNamespace(models=[model_of(0)] * 4))
     found = least_visits.with_least_visits(fleet)  # type: ignore[arg-type] # stands in for a fleet
-    assert found.visit_costs == (7.0, 7.0, 7.0, 7.0)
+    assert found.least_costs == (7.0, 7.0, 7.0, 7.0)
     # A fifth of all is for all; of what the second one leaves the last two have half each.
     np.testing.assert_allclose(given, [5.0, 5.0, 7.5, 7.5])

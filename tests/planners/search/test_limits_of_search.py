@@ -67,7 +67,7 @@ def test_a_vehicle_costs_what_it_does_alone_or_with_its_visits_whichever_is_more
     fleet = Fleet.of(paper(2, 0), 1e-3, Limits())
     alone = fleet.base
     assert min(alone) > 0.0
-    assert replace(fleet, visit_costs=(0.0, 99.0)).base == (alone[0], 99.0)
+    assert replace(fleet, least_costs=(0.0, 99.0)).base == (alone[0], 99.0)
 
 
 def test_a_plan_that_others_judge_is_the_same_without_its_certificate() -> None:

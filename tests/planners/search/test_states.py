@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import FrozenInstanceError, fields
+from dataclasses import FrozenInstanceError, fields, replace
 
 import numpy as np
 import pytest
 
-from radmpc.experiments.families import paper
+from radmpc.experiments.families import clutter, paper
+from radmpc.planners.certified import search
 from radmpc.planners.certified.acceptance import accept_round
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import price_alone
 from radmpc.planners.certified.rounds import run_round
 from radmpc.planners.certified.search import PriceSearch
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.outdone import is_outdone
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.verdict import Verdict
@@ -100,3 +103,33 @@ def test_a_stopped_search_goes_on_from_the_state_that_it_returned(fleet, begun):
     ended = stopped.with_limits(Limits()).run(halted)
     assert len(ended.steps) > len(halted.steps)
     assert ended.has_plan
+
+
+@pytest.fixture(scope="module")
+def among_boxes():
+    return Fleet.of(replace(clutter(2, 12, 3), avoidance="steps"), 1e-3, Limits())
+
+
+@pytest.mark.parametrize(
+    ("rival", "bound", "is_left"),
+    [(80.0, 10.0, True), (80.0, 60.0, False), (99.0, 10.0, False), (float("inf"), 10.0, False)],
+    ids=["far dearer, far from proven", "half proven", "hardly dearer", "no other plan"],
+)
+def test_a_search_is_left_for_a_far_cheaper_plan_that_it_proves_little_of(
+    rival, bound, is_left, among_boxes
+):
+    plan = FleetIncumbent((np.zeros((1, 2)),), 100.0)
+    begun = SearchState.of(among_boxes)
+    state = replace(begun, incumbent=plan, round_bounds=((bound, 0.0),))
+    assert is_outdone(among_boxes, state, rival) == is_left
+    assert not is_outdone(among_boxes, begun, rival)
+
+
+def test_a_search_that_is_outdone_ends_with_its_first_plan(among_boxes, monkeypatch):
+    judge = judge_as(0.9 * among_boxes.scenario.risk_bound)
+    begun = SearchState.of(among_boxes)
+    whole = PriceSearch.of(among_boxes, judge, rival=2.0).run(begun)
+    monkeypatch.setattr(search, "is_outdone", lambda _, state, rival: rival == 2.0)
+    left = PriceSearch.of(among_boxes, judge, rival=2.0).run(begun)
+    assert left.has_plan
+    assert len(left.steps) == 1 < len(whole.steps)

@@ -21,6 +21,7 @@ from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.prove import Proof, bound_on_any
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.state.bounds import finite, reported_bound, shadow_price
+from radmpc.planners.certified.state.outdone import is_outdone
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
@@ -97,39 +98,50 @@ class Certified(Decomposition):
         if run.limits.reached:
             # All that follows would begin only to end.
             return _draft(fleet, cheaper(state, first), result, begun, result.on_any)
+        is_left = is_outdone(fleet, state, first.cost)
         # In a large fleet turning gains more, and a search tree is kept for each of its sets.
-        if state.has_plan and not fleet.is_large:
+        if state.has_plan and not (fleet.is_large or is_left):
             state = close_gap(result.search.within, state)
-        cost = min(first.cost, state.incumbent.cost)
-        tell(run, cost, reported_bound(fleet, state, planner.gap))
         best = first if first.cost < state.incumbent.cost else state.incumbent
+        tell(run, best.cost, reported_bound(fleet, state, planner.gap))
         run.improved(best.controls)
         run.progress("improving", 0, 1)
         # Turning and the proof build what they need of them, and both take memory of their own.
         fleet.programs.forget()
         improving = fleet.with_limits(but_for_proof(run.limits, time.perf_counter() - begun))
         state = improved(improving, state, first, run.judge)
-        run.progress("proving", 0, 1)
-        most_nodes = _nodes_of_proof(fleet, state) if result.stopped_by is None else float("inf")
-        state = bound_faces_of_each(improving, state, most_nodes)
-        tell(run, state.incumbent.cost, reported_bound(fleet, state, planner.gap))
-        proof = self._proof(fleet.with_limits(run.limits), state, result.proven)
-        state = turned_to_others(fleet.with_limits(run.limits), state, proof, run.judge)
-        on_any = min(max(proof.bound, result.on_any), state.incumbent.cost)
+        state, on_any = self._proven(improving, state, result, run, is_left=is_left)
         return _draft(fleet, state, result, begun, on_any)
 
-    def _proof(self, fleet: Fleet, state: SearchState, proven: Proven) -> Proof:
+    def _proven(
+        self, improving: Fleet, state: SearchState, result: SearchResult, run: Run, *, is_left: bool
+    ) -> tuple[SearchState, float]:
+        """Bound plans by faces in the time for improving, then any, and turn to others."""
+        run.progress("proving", 0, 1)
+        fleet = result.search.fleet.with_limits(run.limits)
+        # The nodes of a search that was left say nothing of how hard the proof is.
+        is_untold = is_left and run.limits.seconds_left < float("inf")
+        is_timed = is_untold or result.stopped_by is not None
+        state = bound_faces_of_each(improving, state, _nodes_of_proof(fleet, state, is_timed))
+        tell(run, state.incumbent.cost, reported_bound(fleet, state, fleet.gap))
+        most_nodes = _nodes_of_proof(fleet, state, is_untold)
+        proof = self._proof(fleet, state, result.proven, most_nodes)
+        state = turned_to_others(fleet, state, proof, run.judge)
+        return state, min(max(proof.bound, result.on_any), state.incumbent.cost)
+
+    def _proof(self, fleet: Fleet, state: SearchState, proven: Proven, most_nodes: float) -> Proof:
         """Bound the cost of any certified plan; for so many nodes, or so many seconds if asked."""
-        price, most_nodes = shadow_price(fleet, state), float("inf")
+        price = shadow_price(fleet, state)
         if self.proof_seconds is not None:
+            most_nodes = float("inf")
             fleet = fleet.with_limits(fleet.limits.within(self.proof_seconds))
-        else:
-            most_nodes = _nodes_of_proof(fleet, state)
         return bound_on_any(fleet, state.incumbent, price, most_nodes, proven)
 
 
-def _nodes_of_proof(fleet: Fleet, state: SearchState) -> float:
-    """Return the nodes that a bound may take after the search for the plan."""
+def _nodes_of_proof(fleet: Fleet, state: SearchState, is_timed: bool) -> float:
+    """Return the nodes that a bound may take after the search, any if only time ends it."""
+    if is_timed:
+        return float("inf")
     searched = sum(each.all_nodes for each in state.set_states.values())
     few = min(fleet.scenario.num_vehicles, PROOF_TUNING.most_together)
     return max(PROOF_TUNING.least_nodes * few, PROOF_TUNING.node_share * searched)

@@ -69,8 +69,9 @@ class Fleet:
         What the starts risk, hazard by hazard.
     initial : float
         What they risk in all, whatever the plan [-].
-    visit_costs : tuple of float
-        What every vehicle costs at least with its visits; empty where nobody asked.
+    least_costs : tuple of float
+        What every vehicle costs at least with its visits, or alone among obstacles; empty where
+        nobody asked.
     """
 
     scenario: Scenario
@@ -85,7 +86,7 @@ class Fleet:
     first_budget: float
     start_hazards: tuple[EndpointHazard, ...]
     initial: float
-    visit_costs: tuple[float, ...] = ()
+    least_costs: tuple[float, ...] = ()
 
     @classmethod
     def of(
@@ -152,9 +153,9 @@ class Fleet:
 
     @property
     def base(self) -> tuple[float, ...]:
-        """What every vehicle costs at least, in empty space; builds its program."""
+        """What every vehicle is known to cost at least; builds its program."""
         costs = self.programs.least_costs()
-        return tuple(map(max, costs, self.visit_costs)) if self.visit_costs else costs
+        return tuple(map(max, costs, self.least_costs)) if self.least_costs else costs
 
     @property
     def is_large(self) -> bool:

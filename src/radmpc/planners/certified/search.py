@@ -11,6 +11,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import next_price, price_alone
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.state.bounds import bound_on_cost, is_proven
+from radmpc.planners.certified.state.outdone import is_outdone
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.certified.within_budget import WithinBudget
@@ -38,22 +39,25 @@ class PriceSearch:
         The referee.
     within : WithinBudget
         The search for where no price leads.
+    rival : float
+        Cost of a certified plan by other half-spaces; inf without one.
     """
 
     fleet: Fleet
     judge: Judge
     within: WithinBudget
+    rival: float = float("inf")
 
     @classmethod
-    def of(cls, fleet: Fleet, judge: Judge) -> PriceSearch:
+    def of(cls, fleet: Fleet, judge: Judge, rival: float = float("inf")) -> PriceSearch:
         """Return the search of a fleet, every plan judged by a referee.
 
         Parameters
         ----------
-        fleet, judge : Fleet and callable
+        fleet, judge, rival : Fleet, callable and float
             As in `PriceSearch`.
         """
-        return cls(fleet, judge, WithinBudget(fleet, judge))
+        return cls(fleet, judge, WithinBudget(fleet, judge), rival)
 
     def with_limits(self, limits: Limits) -> PriceSearch:
         """Return the same search, to be stopped by other limits."""
@@ -92,7 +96,8 @@ class PriceSearch:
             accepted = accept_round(fleet, state, candidate, self.judge)
             seconds = time.perf_counter() - began
             state = _recorded(fleet, accepted.state, candidate, seconds)
-            if fleet.limits.reached or _is_closed(fleet, state, candidate):
+            is_over = fleet.limits.reached or is_outdone(fleet, state, self.rival)
+            if is_over or _is_closed(fleet, state, candidate):
                 return state
             if accepted.has_merged:
                 # What other sets risked says little of these.

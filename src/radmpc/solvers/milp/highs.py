@@ -26,9 +26,12 @@ class HighsBackend:
     ----------
     name : str
         What users call it.
+    most_nodes : int or None
+        Nodes of its tree at most [-]; None for any number.
     """
 
     name: str = "highs"
+    most_nodes: int | None = None
 
     def minimize(self, model: MilpModel, gap: float, limits: Limits) -> MilpAnswer:
         """Solve a model; see `radmpc.solvers.milp.model.Backend`.
@@ -47,6 +50,8 @@ class HighsBackend:
         highs.setOptionValue("mip_rel_gap", gap)
         for name in ("mip_feasibility_tolerance", "primal_feasibility_tolerance"):
             highs.setOptionValue(name, _FEASIBILITY_TOL)
+        if self.most_nodes is not None:
+            highs.setOptionValue("mip_max_nodes", self.most_nodes)
         if np.isfinite(limits.seconds_left):
             highs.setOptionValue("time_limit", limits.seconds_left)
         highs.passModel(_translated(model))
@@ -63,7 +68,13 @@ class HighsBackend:
         statuses = highspy.HighsModelStatus
         if status == statuses.kInfeasible:
             return MilpAnswer(Outcome.INFEASIBLE, None, float("inf"), int(info.mip_node_count))
-        if status not in {statuses.kOptimal, statuses.kTimeLimit, statuses.kInterrupt}:
+        ends = {
+            statuses.kOptimal,
+            statuses.kTimeLimit,
+            statuses.kInterrupt,
+            statuses.kSolutionLimit,
+        }
+        if status not in ends:
             raise SolverError(f"HiGHS stopped with {highs.modelStatusToString(status)}")
         has_point = info.primal_solution_status == 2
         x = np.array(highs.getSolution().col_value) if has_point else None

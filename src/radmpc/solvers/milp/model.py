@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from scipy.sparse import csr_array
+import numpy as np
+from scipy.sparse import csr_array, vstack
 
 from radmpc.arrays import Vector
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits, Outcome
 
 __all__ = ["Backend", "MilpAnswer", "MilpModel"]
@@ -36,6 +37,21 @@ class MilpModel:
     matrix: csr_array
     row_lower: Vector
     row_upper: Vector
+
+    def costing_at_most(self, cost: float) -> MilpModel:
+        """Return the program of those points only that cost no more than this.
+
+        Parameters
+        ----------
+        cost : float
+            The most that a point may cost.
+        """
+        return replace(
+            self,
+            matrix=csr_array(vstack([self.matrix, csr_array(self.cost[None, :])])),
+            row_lower=np.append(self.row_lower, -np.inf),
+            row_upper=np.append(self.row_upper, cost),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.phases.tuning import TUNING
 from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.state.bounds import is_proven, shadow_price
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.records import replace
+
+if TYPE_CHECKING:
+    # Who meets nobody needs no bound.
+    from radmpc.planners.certified.proof.search import BoundSearch
 
 __all__ = ["bound_faces", "bound_faces_of_each"]
 
@@ -84,16 +90,43 @@ def bound_faces_of_each(fleet: Fleet, state: SearchState, most_nodes: float) -> 
         price = fleet.first_unit_price(state.budget) / fleet.unit
     base, incumbent = float(sum(fleet.base)), state.incumbent
     search = BoundSearch(fleet, incumbent, price, base, most_nodes, is_by_faces=True)
-    for sets in dict.fromkeys((fleet.singles, incumbent.sets)):
-        search.regroup(sets)
-        for effort in range(TUNING.efforts):
-            before = search.nodes
-            # What it is told of the gap does not count: here every bit of bound does.
-            search.advance(PROOF_TUNING.nodes, effort, search.order)
-            if search.is_over or search.nodes == before:
-                break
+    _advance(search, fleet.singles, range(TUNING.efforts_alone))
+    if not search.is_over:
+        from radmpc.planners.certified.phases.least_alone import with_least_alone  # noqa: PLC0415 - few need it
+
+        fleet = with_least_alone(fleet, incumbent, left)
+        search = _continued(search, fleet)
+        _advance(search, fleet.singles, range(TUNING.efforts_alone, TUNING.efforts))
+        _advance(search, incumbent.sets, range(TUNING.efforts))
     # Where faces leave no plan at all, the one at hand is best among none.
     return _with_bound(state, left, search.best) if search.best < float("inf") else state
+
+
+def _continued(search: BoundSearch, fleet: Fleet) -> BoundSearch:
+    """Return a search that goes on with more known of what vehicles cost at least."""
+    from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - few need it
+
+    return BoundSearch(
+        fleet,
+        search.incumbent,
+        search.price,
+        max(search.best, float(sum(fleet.base))),
+        search.most_nodes,
+        is_by_faces=True,
+        nodes=search.nodes,
+        proven=search.proven,
+    )
+
+
+def _advance(search: BoundSearch, sets: tuple[Members, ...], efforts: range) -> None:
+    """Search these sets on, by more and more nodes, until nothing comes of it."""
+    search.regroup(sets)
+    for effort in efforts:
+        before = search.nodes
+        # What it is told of the gap does not count: here every bit of bound does.
+        search.advance(PROOF_TUNING.nodes, effort, search.order)
+        if search.is_over or search.nodes == before:
+            break
 
 
 def _with_bound(state: SearchState, left: float, bound: float) -> SearchState:

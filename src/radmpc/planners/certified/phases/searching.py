@@ -100,7 +100,7 @@ def searched(
     if first.controls and scenario.obstacles and not is_tight:
         begin = but_for_faces(begin, run.limits)
     fleet = _fleet(scenario, planner.gap, run, begin, hazards, first.cost)
-    search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)
+    search, state = PriceSearch.of(fleet, run.judge, first.cost), SearchState.of(fleet)
     if not fleet.programs.build_alone(run.limits):
         return _cut_off(search, state, first, run.limits)
     on_any = float(sum(fleet.base))

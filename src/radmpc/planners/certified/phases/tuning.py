@@ -42,6 +42,18 @@ class Tuning:
     face_share : float
         Share of the time limit that the search leaves to that bound, where there are obstacles and
         a first plan [-]: with 0.35 `clutter(10, 100, 1)` along intervals is 5 % dearer after 20 s.
+    efforts_alone : int
+        Rounds of that bound of every vehicle alone, after which mixed-integer programs are tried
+        [-]: of `parking` they have shown by then that they take far longer.
+    most_alternatives : int
+        Alternatives of a vehicle among obstacles up to which a mixed-integer program of it is tried
+        [-]: those of `parking` have 1,160 and take 7 to 15 s, those of `clutter(10, 100)` 1,800 to
+        2,900, and minutes leave more than the search.
+    seconds_each : float
+        Seconds per alternative that have to be left for such programs to be tried [s]: stopped
+        early, those of `parking` prove a ninth of what they prove in the end.
+    most_nodes_alone : int
+        Nodes of such a program at most [-]: those of `parking` take up to 2,700.
     """
 
     nodes: int = 50
@@ -56,6 +68,10 @@ class Tuning:
     time_share: float = 0.5
     efforts: int = 16
     face_share: float = 0.25
+    efforts_alone: int = 5
+    most_alternatives: int = 1500
+    seconds_each: float = 0.008
+    most_nodes_alone: int = 20000
 
 
 TUNING = Tuning()

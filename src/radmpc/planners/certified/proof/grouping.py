@@ -136,12 +136,12 @@ def bound_together(
     sets : mapping of tuple of int to RelaxedSet
         What is known of vehicles of the part, by their places in it.
     base : sequence of float
-        What each of them costs at least in empty space.
+        What each of them is known to cost at least.
     price : float
         Cost per unit of probability; what was proven at another does not count.
     """
     bounds = {places: one.bound for places, one in sets.items() if one.price == price}
-    alone = [bounds.get((place,), least) for place, least in enumerate(base)]
+    alone = [max(bounds.get((place,), least), least) for place, least in enumerate(base)]
     whole = bounds.pop(tuple(range(len(base))), 0.0)
     gains = {places: bound - sum(alone[i] for i in places) for places, bound in bounds.items()}
     total, left = sum(alone), set(range(len(base)))
@@ -174,7 +174,7 @@ class PartBounds:
         sets, price
             As there.
         base : sequence of float
-            What every vehicle of the fleet costs at least in empty space, the same in all calls.
+            What every vehicle of the fleet is known to cost at least, the same in all calls.
         """
         latest = self._latest.get(members)
         if latest is None or latest[0] is not sets or latest[1] != price:

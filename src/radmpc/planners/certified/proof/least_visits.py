@@ -73,7 +73,7 @@ def with_least_visits(fleet: Fleet) -> Fleet:
         share = limits.seconds_left / left
         own = limits.within(share) if share < float("inf") else limits
         costs[i] = least_cost(models[i], own)
-    return replace(fleet, visit_costs=tuple(costs))
+    return replace(fleet, least_costs=tuple(costs))
 
 
 def least_cost(model: CondensedModel, limits: Limits, most_solves: int = _MOST_SOLVES) -> float:
