@@ -110,7 +110,7 @@ def test_a_quick_attempt_that_misses_too_much_after_four_sweeps_is_left(
         successive.missed[i] = 3.0 * 0.8 ** planned[i] * successive.hazards.radii[i]
 
     monkeypatch.setattr(successive, "plan_alone", plan)
-    assert not successive.keep_apart(CLEARANCE, TUNING.quick_sweeps)
+    assert not successive.keep_apart(CLEARANCE, TUNING.quick_sweeps, is_quick=True)
     assert set(planned.values()) == {TUNING.telling + 1}
     planned.clear()
     assert not successive.keep_apart(CLEARANCE, TUNING.max_sweeps)

@@ -12,6 +12,7 @@ The price is the cost of risk per unit of probability.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -37,8 +38,8 @@ from radmpc.solvers.solution import Limits
 __all__ = ["PathSearch"]
 
 SlacksByKey = dict[tuple[object, ...], Slacks]
-"""How near an obstacle is on a lattice. Kept for one search only: measuring a hundred boxes again
-at the next price takes a sixth of a search's time."""
+"""How near an obstacle is on a lattice. Not kept from price to price: measuring a hundred boxes
+again takes a sixth of a search's time."""
 
 BLOCKED = 1.0 / 32.0
 """Deviations within an obstacle from which on a displacement is blocked: more than even odds of a
@@ -109,11 +110,7 @@ class PathSearch:
         (T+1, 2) array or None
             Positions [m]; None where the lattice has no path, or none was found in time.
         """
-        if not self._avoidances:
-            self._avoidances = half_planes_of(self.program, self.model.horizon, self.output_slice)
-            for avoidance in (avoidance for at in self._avoidances for avoidance in at):
-                largest = self._deviations.get(avoidance.key, 0.0)
-                self._deviations[avoidance.key] = max(largest, avoidance.deviation)
+        self._look()
         if (price, delay_cost) not in self._paths:
             path = self._refined_path(price, delay_cost, limits)
             if limits.reached:
@@ -121,15 +118,53 @@ class PathSearch:
             self._paths[price, delay_cost] = path
         return self._paths[price, delay_cost]
 
+    def rough_paths(
+        self, price: float, most_risks: Sequence[float], limits: Limits
+    ) -> Iterator[Matrix]:
+        """Find the best positions on the coarse lattice alone, as in `path`.
+
+        Parameters
+        ----------
+        price, limits
+            As there.
+        most_risks : sequence of float
+            What an avoidance may take in a window at most, path by path [-].
+
+        Yields
+        ------
+        (T+1, 2) array
+            Positions [m], until there is no path.
+        """
+        self._look()
+        lattice, known = self._lattice(), dict[tuple[object, ...], Slacks]()
+        for most_risk in most_risks:
+            cells = self._search(lattice, price, 0.0, limits, known, most_risk)
+            if cells is None:
+                return
+            yield lattice.positions(cells)
+
+    def _look(self) -> None:
+        """Lay out the avoidances, once."""
+        if self._avoidances:
+            return
+        self._avoidances = half_planes_of(self.program, self.model.horizon, self.output_slice)
+        for avoidance in (avoidance for at in self._avoidances for avoidance in at):
+            largest = self._deviations.get(avoidance.key, 0.0)
+            self._deviations[avoidance.key] = max(largest, avoidance.deviation)
+
+    def _lattice(self) -> Lattice:
+        """Lay out the lattice of the level."""
+        reach = TUNING.reaches[min(self.level, len(TUNING.reaches) - 1)]
+        lattice = coarse_lattice(self.model, self._avoidances, self.motion.longest, reach)
+        # Narrow passages may lie between the lines.
+        is_last = self.level == len(TUNING.reaches)
+        return snapped_lattice(lattice, self._avoidances) if is_last else lattice
+
     def _refined_path(self, price: float, delay_cost: float, limits: Limits) -> Matrix | None:
         """Seek a path, on finer lattices where coarser ones have none, from then on there alone."""
         while True:
-            reach = TUNING.reaches[min(self.level, len(TUNING.reaches) - 1)]
-            lattice = coarse_lattice(self.model, self._avoidances, self.motion.longest, reach)
-            if self.level == len(TUNING.reaches):
-                # Narrow passages may lie between the lines.
-                lattice = snapped_lattice(lattice, self._avoidances)
-            cells = self._search(lattice, price, delay_cost, limits)
+            lattice = self._lattice()
+            cells = self._search(lattice, price, delay_cost, limits, {}, self.unit)
             if cells is not None:
                 break
             if limits.reached or self.is_coarse_only or self.level == len(TUNING.reaches):
@@ -137,12 +172,18 @@ class PathSearch:
             self.level += 1
         if lattice.lines is None:
             finer = finer_lattice(lattice, cells)
-            found = self._search(finer, price, delay_cost, limits)
+            found = self._search(finer, price, delay_cost, limits, {}, self.unit)
             lattice, cells = finer, 2 * cells if found is None else found
         return lattice.positions(cells)
 
     def _search(
-        self, lattice: Lattice, price: float, delay_cost: float, limits: Limits
+        self,
+        lattice: Lattice,
+        price: float,
+        delay_cost: float,
+        limits: Limits,
+        known: SlacksByKey,
+        most_risk: float,
     ) -> Indices | None:
         """Return the cheapest path over a lattice, (T+1, 2) cells from the start."""
         motion, horizon = self.motion, self.model.horizon
@@ -156,7 +197,6 @@ class PathSearch:
         weight = np.float32(price)
         late = np.float32(delay_cost)
         arrivals: list[Float32] = []
-        known: SlacksByKey = {}
         for k in range(horizon):
             if limits.reached:
                 return None
@@ -167,7 +207,7 @@ class PathSearch:
                 values = changed(values, tables)
             risks, is_blocked = self._risks(lattice, k, known)
             values += weight * risks
-            values[is_blocked | (risks > min(self.unit, CONVEX_RISK))] = INFEASIBLE
+            values[is_blocked | (risks > min(most_risk, CONVEX_RISK))] = INFEASIBLE
             values = shifted(values)
             values[:, :, ~self._within_reach(lattice, k + 1)] = INFEASIBLE
             if delay_cost > 0.0:

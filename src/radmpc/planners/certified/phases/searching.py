@@ -22,7 +22,9 @@ from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
 from radmpc.planners.certified.turned.first_plan import first_plan
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.planner import Planner, Run
+from radmpc.program.build import build_program
 from radmpc.program.hazards import Hazards
+from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import Limits
 
@@ -162,7 +164,12 @@ def _first(
         from radmpc.planners.certified.turned.visiting import at_good_visits  # noqa: PLC0415 - few have any
 
         visits = at_good_visits(hazards)
-    task = Task(hazards, run.judge, limits, gap, scenario.risk_bound, partial(_tell_first, run))
+    tell_it, risk_bound = partial(_tell_first, run), scenario.risk_bound
+
+    def alone(i: int) -> DisjunctiveProgram:
+        return build_program(scenario, (hazards.models[i],), risk_bound=risk_bound)
+
+    task = Task(hazards, run.judge, limits, gap, risk_bound, tell_it, alone)
     price = SEARCH_TUNING.budgets.risk_to_cost
     return first_plan(task, price, run.rng, visits, is_needed=is_needed)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.verdict import Judge
 from radmpc.program.hazards import Hazards
+from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass
 from radmpc.solvers.solution import Limits
 
@@ -31,6 +32,8 @@ class Task:
         Δ [-].
     found : callable
         Given every better plan.
+    program_alone : callable or None
+        Returns the program of a vehicle alone, by its number; None where no path alone is sought.
     """
 
     hazards: Hazards
@@ -39,3 +42,4 @@ class Task:
     gap: float
     risk_bound: float
     found: Callable[[FleetIncumbent], None] = lambda incumbent: None
+    program_alone: Callable[[int], DisjunctiveProgram] | None = None

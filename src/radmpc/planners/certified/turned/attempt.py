@@ -9,6 +9,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
+from radmpc.planners.certified.turned.narrow.route import Route
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Turning
@@ -29,8 +30,8 @@ class Begin:
         What is asked.
     alone : Paths
         What vehicles do by themselves.
-    routes : mapping of int to (p, d) array
-        The shortest routes around obstacles of those that these stop [m].
+    routes : mapping of int to Route
+        Routes around obstacles of those that these stop.
     sets : tuple of tuple of int
         Who get in each other's way.
     price : float
@@ -49,7 +50,7 @@ class Begin:
 
     task: Task
     alone: Paths
-    routes: Mapping[int, Matrix]
+    routes: Mapping[int, Route]
     sets: tuple[tuple[int, ...], ...]
     price: float
     clearance: float
@@ -117,7 +118,10 @@ class Attempt:
         """
         successive = self.turning.successive
         if not self.is_placed:
-            return successive.keep_apart(clearance, self.sweeps, limits, self.penalty)
+            is_quick = self.sweeps < TUNING.max_sweeps
+            return successive.keep_apart(
+                clearance, self.sweeps, limits, self.penalty, is_quick=is_quick
+            )
         from radmpc.planners.certified.turned.narrow.at_pace import keep_places  # noqa: PLC0415 - few need it
         from radmpc.planners.certified.turned.narrow.mending import mended  # noqa: PLC0415 - few need it
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +14,6 @@ from radmpc.planners.certified.turned.paths import (
     arched,
     evenly,
     timed_anyhow,
-    timed_by_visits,
 )
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
@@ -115,10 +114,12 @@ def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterato
     """Begin with paths alone, or with paths around obstacles: at even speed, paced, drawn."""
     routes, hazards = begin.routes, begin.task.hazards
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
-    usually = {i: timed_by_visits(hazards.models[i], route) for i, route in routes.items()}
+    usually = {i: route.places for i, route in routes.items()}
     yield from _toured(begin, limits)
-    if routes:
+    if len(routes) > TUNING.weighed:
         yield Attempt(begin.referring(usually), TUNING.quick_sweeps)
+    elif routes:
+        yield Attempt(_cheaper_begun(begin, usually, limits), TUNING.few_sweeps)
     else:
         for turning in _sides(begin, limits):
             yield Attempt(turning, TUNING.max_sweeps)
@@ -126,7 +127,7 @@ def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterato
     if routes:
         yield Attempt(begin.referring(usually), TUNING.max_sweeps)
     for _ in range(TUNING.attempts):
-        drawn = {i: timed_anyhow(hazards, i, route, rng) for i, route in routes.items()}
+        drawn = {i: timed_anyhow(hazards, i, one.corners, rng) for i, one in routes.items()}
         for i in meeting:
             if i not in routes:
                 path = arched(hazards, i, TUNING.most_arc * rng.uniform(-1.0, 1.0))
@@ -142,7 +143,7 @@ def _toured(begin: Begin, limits: Limits) -> Iterator[Attempt]:
 
     hazards = begin.task.hazards
     touring = Touring(hazards, begin.to_choose, limits, begin.clearance)
-    if not touring.run(begin.alone, begin.routes):
+    if not touring.run(begin.alone, {i: one.corners for i, one in begin.routes.items()}):
         return
     is_apart = touring.successive.missed.sum() <= TUNING.nearly * hazards.radii.mean()
     sweeps = 0 if is_apart else TUNING.quick_sweeps
@@ -174,14 +175,33 @@ def _sides(begin: Begin, limits: Limits) -> Iterator[Turning]:
         begin.referring({i: arched(begin.task.hazards, i, offset) for i in meeting})
         for offset in TUNING.arches
     ]
+    yield _cheapest_apart(begin, tried, begin.clearance, TUNING.max_sweeps, limits)
+
+
+def _cheaper_begun(begin: Begin, places: Mapping[int, Matrix], limits: Limits) -> Turning:
+    """Begin on routes around obstacles, or on straight lines if these come apart at less cost.
+
+    Half-spaces that give way push a path through gaps that no route alone led through; mostly it
+    gets stuck in the first sweeps.
+    """
+    tried = [begin.referring(places), begin.referring({})]
+    clearance = TUNING.narrower * begin.clearance
+    return _cheapest_apart(begin, tried, clearance, TUNING.few_sweeps, limits)
+
+
+def _cheapest_apart(
+    begin: Begin, tried: Sequence[Turning], clearance: float, sweeps: int, limits: Limits
+) -> Turning:
+    """Keep vehicles apart from several beginnings; return that of the least cost."""
     nearly = TUNING.nearly * float(begin.task.hazards.radii.mean())
 
     def rank(turning: Turning) -> tuple[bool, float]:
         successive = turning.successive
-        successive.keep_apart(begin.clearance, TUNING.max_sweeps, limits)
+        is_quick = sweeps < TUNING.max_sweeps
+        successive.keep_apart(clearance, sweeps, limits, is_quick=is_quick)
         return float(successive.missed.sum()) > nearly, successive.paths.cost()
 
-    yield min(tried, key=rank)
+    return min(tried, key=rank)
 
 
 def _kept_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from radmpc.arrays import Matrix, distinct
+from radmpc.arrays import distinct
 from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
@@ -21,6 +21,7 @@ from radmpc.program.hazards import Hazards
 from radmpc.solvers.compiled_code import is_compiled
 
 if TYPE_CHECKING:
+    from radmpc.planners.certified.turned.narrow.route import Route
     from radmpc.planners.certified.turned.visiting import GoodVisits
 
 __all__ = ["first_plan"]
@@ -87,7 +88,7 @@ def first_plan(
     from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
 
     price *= _dear(is_maze=is_maze) * alone.cost() / task.risk_bound
-    routes = _routes(task, alone, stopped, clearance)
+    routes = _routes(task, alone, stopped, clearance, price if largest < TUNING.many else None)
     is_aside = is_easy and not (is_needed or is_short)
     seconds = _seconds(task, is_aside=is_aside, is_maze=is_maze)
     # Where few meet, the relaxation tells the sides soon.
@@ -119,13 +120,15 @@ def _seconds(task: Task, *, is_aside: bool, is_maze: bool) -> float:
     return float(min(most, time_share * task.limits.seconds_left))
 
 
-def _routes(task: Task, alone: Paths, stopped: np.ndarray, clearance: float) -> dict[int, Matrix]:
+def _routes(
+    task: Task, alone: Paths, stopped: np.ndarray, clearance: float, price: float | None
+) -> dict[int, Route]:
     """Return routes around obstacles of those that these stop."""
     if not stopped.size:
         return {}
     from radmpc.planners.certified.turned.narrow.cheapest import cheapest_routes  # noqa: PLC0415 - loads graphs
 
-    return cheapest_routes(task.hazards, alone, stopped, clearance, task.limits)
+    return cheapest_routes(task, alone, stopped, clearance, price)
 
 
 def _is_short(task: Task) -> bool:
@@ -181,10 +184,11 @@ def _given_way(
     """
     probe = SuccessiveLp(task.hazards, task.limits)
     probe.begin(alone.controls)
-    if not probe.keep_apart(TUNING.narrower * clearance, TUNING.quick_sweeps):
+    sweeps = TUNING.quick_sweeps
+    if not probe.keep_apart(TUNING.narrower * clearance, sweeps, is_quick=True):
         return False, FleetIncumbent()
     found = _certified(task, probe.paths, sets)
-    if not found.controls and probe.keep_apart(clearance, TUNING.quick_sweeps):
+    if not found.controls and probe.keep_apart(clearance, sweeps, is_quick=True):
         found = _certified(task, probe.paths, sets)
     return True, found
 

@@ -123,6 +123,8 @@ class SuccessiveLp:
         max_sweeps: int,
         limits: Limits | None = None,
         first_penalty: float = TUNING.first_penalty,
+        *,
+        is_quick: bool = False,
     ) -> bool:
         """Plan one vehicle after the other until all keep a clearance, or nothing helps.
 
@@ -136,6 +138,8 @@ class SuccessiveLp:
             When to stop earlier than at the end of all.
         first_penalty : float
             Of a meter missed in the first sweep, see `Tuning.first_penalty` [-].
+        is_quick : bool
+            Whether it is left where so much is missed that it leads to nothing, as a rule.
 
         Returns
         -------
@@ -147,7 +151,6 @@ class SuccessiveLp:
         order, is_still = range(self.hazards.count), np.zeros(self.hazards.count, dtype=bool)
         # Where other attempts follow, what misses that much is left to them.
         most_missed = TUNING.most_missed * float(self.hazards.radii.sum())
-        is_quick = max_sweeps <= TUNING.quick_sweeps
         for number in range(max_sweeps):
             for i in order:
                 if (limits or self.limits).reached:

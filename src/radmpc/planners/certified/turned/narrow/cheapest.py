@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix
+from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.detours import NARROW, Toll, detours
 from radmpc.planners.certified.turned.grid import Grid
-from radmpc.planners.certified.turned.paths import Paths, timed_by_visits
+from radmpc.planners.certified.turned.narrow.route import Route
+from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.program.hazards import Hazards
-from radmpc.solvers.solution import Limits
+from radmpc.records import dataclass, field
 
 __all__ = ["cheapest_routes"]
 
 _WAYS = 4
-"""Routes of a vehicle that are compared at most [-]: the shortest that keeps clear of gaps where it
-can, that through gaps, and both again beside all before."""
+"""Routes of a vehicle on a grid that are compared at most [-]: the shortest that keeps clear of
+gaps where it can, that through gaps, and both again beside all before."""
 
 _GOOD = 1.3
 """Effort of a route, in multiples of what it would take without obstacles, at which no other is
 sought [-]."""
+
+_WORK = 18_000
+"""Obstacles times steps of the vehicles for which paths of least effort are sought, those with the
+dearest routes first [-]: six vehicles of `clutter(10, 100)` take 0.9 s, all ten made first plans no
+cheaper."""
 
 _SWEEPS = 6
 """Times that a vehicle is planned on a route, at most [-]: most take one to three."""
@@ -34,81 +40,158 @@ turning half-spaces gains that [m]; and what is charged for the rest of it [effo
 nine boxes of db-CBS `forest` cheap routes miss 0.03 to 0.09 m, and those that miss nothing cost
 twice as much."""
 
+_ENOUGH = 0.1
+"""What a vehicle may miss on a path of least effort for none with less risk to be sought [m]."""
+
 
 def cheapest_routes(
-    hazards: Hazards,
+    task: Task,
     alone: Paths,
     stopped: Sequence[int] | Indices,
     clearance: float,
-    limits: Limits,
-) -> dict[int, Matrix]:
+    price: float | None,
+) -> dict[int, Route]:
     """Return routes around obstacles: the shortest, or others where these take less effort.
 
     What is short on a grid may wind, and whoever keeps clear of all gaps may go far around. Two or
     three linear programs of one vehicle tell what a route takes: 2 to 5 ms among a hundred boxes.
+    Where all routes are dear, the path of least effort is sought on a lattice.
 
     Parameters
     ----------
-    hazards : Hazards
-        The fleet.
+    task : Task
+        What is asked.
     alone : Paths
         What vehicles do by themselves.
     stopped : sequence of int
         Those that obstacles stop.
     clearance : float
         Standard deviations that they keep [-].
-    limits : Limits
-        When to stop.
+    price : float or None
+        Cost of risk, per unit of probability; None where no path is sought on a lattice: those of
+        many who get in each other's way are better told by who lets whom pass.
 
     Returns
     -------
-    dict of int to (p, d) array
-        Corners of the routes from start to goal [m], of those for which there is one.
+    dict of int to Route
+        The routes of those for which there is one.
     """
-    grid, trial = Grid.of(hazards), SuccessiveLp(hazards, limits)
-    found = detours(hazards, stopped, clearance, grid)
-    if len(found) > TUNING.weighed:
-        return found
-    state, direct = alone.state(), detours(hazards, list(found), clearance, grid, Toll(1.0))
-    for i, shortest in found.items():
-        if limits.reached:
-            break
-        least = float(np.abs(alone.controls[i]).sum())
-        known = [shortest, direct.get(i, shortest)]
-        costs: list[tuple[bool, float, int]] = []
-        for number in range(_WAYS):
-            if number >= len(known):
-                toll = Toll((NARROW, 1.0)[number % 2], tuple(known))
-                known.append(detours(hazards, [i], clearance, grid, toll).get(i, shortest))
-            if any(np.array_equal(known[number], one) for one in known[:number]):
-                continue
-            trial.restore(state)
-            trial.refer(i, timed_by_visits(hazards.models[i], known[number]))
-            enough = min((effort for missed, effort, _ in costs if not missed), default=np.inf)
-            missed, effort = _planned(trial, i, clearance, enough, limits)
-            lacking = _LACKING * max(missed - _MISSED, 0.0)
-            costs.append((missed > _MOST_MISSED, effort + lacking, number))
-            if (missed <= _MISSED and effort <= _GOOD * least) or limits.reached:
+    hazards = task.hazards
+    grid = Grid.of(hazards)
+    shortest = detours(hazards, stopped, clearance, grid)
+    if len(shortest) > TUNING.weighed:
+        return {i: Route.evenly(hazards.models[i], corners) for i, corners in shortest.items()}
+    comparison = _Comparison(task, alone, clearance)
+    comparison.compare_routes(grid, shortest)
+    if price is not None:
+        comparison.seek(price)
+    # Who was not planned on any in time takes the shortest.
+    return {
+        i: comparison.best.get(i) or Route.evenly(hazards.models[i], corners)
+        for i, corners in shortest.items()
+    }
+
+
+@dataclass(slots=True, eq=False)
+class _Comparison:
+    """The cheapest routes so far.
+
+    Attributes
+    ----------
+    task : Task
+        What is asked.
+    alone : Paths
+        What vehicles do by themselves.
+    clearance : float
+        Standard deviations that they keep [-].
+    best : dict of int to Route
+        The cheapest route of each.
+    costs : dict of int to (bool, float)
+        Whether that misses too much, and its effort with what is charged for the rest.
+    """
+
+    task: Task
+    alone: Paths
+    clearance: float
+    best: dict[int, Route] = field(default_factory=dict)
+    costs: dict[int, tuple[bool, float]] = field(default_factory=dict)
+    _trial: SuccessiveLp = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Begin with nobody on any route."""
+        self._trial = SuccessiveLp(self.task.hazards, self.task.limits)
+
+    def compare_routes(self, grid: Grid, shortest: Mapping[int, Matrix]) -> None:
+        """Compare the shortest ways over a grid, until one is good enough."""
+        hazards, limits = self.task.hazards, self.task.limits
+        direct = detours(hazards, list(shortest), self.clearance, grid, Toll(1.0))
+        for i, first in shortest.items():
+            known = [first, direct.get(i, first)]
+            for number in range(_WAYS):
+                if limits.reached:
+                    return
+                if number >= len(known):
+                    toll = Toll((NARROW, 1.0)[number % 2], tuple(known))
+                    other = detours(hazards, [i], self.clearance, grid, toll)
+                    known.append(other.get(i, first))
+                if any(np.array_equal(known[number], one) for one in known[:number]):
+                    continue
+                missed = self._offer(i, Route.evenly(hazards.models[i], known[number]))
+                if missed <= _MISSED and self._ratio(i) <= _GOOD:
+                    break
+
+    def seek(self, price: float) -> None:
+        """Seek paths of the least effort at a price of risk for those whose routes are dear."""
+        dear = sorted(
+            (i for i in self.best if self._ratio(i) > _GOOD), key=lambda i: -self._ratio(i)
+        )
+        if not dear:
+            return
+        from radmpc.planners.certified.turned.narrow.least_effort import least_effort_paths  # noqa: PLC0415 - few need it
+
+        hazards = self.task.hazards
+        count = _WORK // (max(hazards.shapes.count, 1) * hazards.horizon)
+        for i in sorted(dear, key=self._ratio, reverse=True)[: max(count, 1)]:
+            for path in least_effort_paths(self.task, i, price):
+                if self.task.limits.reached:
+                    return
+                if self._offer(i, Route(path, path)) <= _ENOUGH:
+                    break
+
+    def _ratio(self, vehicle: int) -> float:
+        """Return the cost of a vehicle's best route over what it takes without obstacles [-]."""
+        misses, cost = self.costs[vehicle]
+        least = float(np.abs(self.alone.controls[vehicle]).sum())
+        return np.inf if misses else cost / least
+
+    def _offer(self, vehicle: int, route: Route) -> float:
+        """Keep a route if it is the cheapest of a vehicle; return what is missed there [m]."""
+        self._trial.restore(self.alone.state())
+        self._trial.refer(vehicle, route.places)
+        best = self.costs.get(vehicle, (True, np.inf))
+        missed, effort = self._planned(vehicle, np.inf if best[0] else best[1])
+        cost = missed > _MOST_MISSED, effort + _LACKING * max(missed - _MISSED, 0.0)
+        if cost < best:
+            self.best[vehicle], self.costs[vehicle] = route, cost
+        return missed
+
+    def _planned(self, vehicle: int, enough: float) -> tuple[float, float]:
+        """Return what a vehicle misses once planned where it was referred to, and its effort.
+
+        It is planned until it misses nothing and no longer moves past what it was not kept clear
+        of, or its effort is enough to know that others are better: effort grows with what a miss
+        costs.
+        """
+        trial, missed, effort = self._trial, np.inf, np.inf
+        penalty, reach = TUNING.first_penalty, float(self.task.hazards.reaches[vehicle])
+        for _ in range(_SWEEPS):
+            before = trial.paths.means[vehicle].copy()
+            trial.plan_alone(vehicle, self.clearance, penalty)
+            moved = float(np.abs(trial.paths.means[vehicle] - before).max())
+            missed = float(trial.missed[vehicle])
+            effort = float(np.abs(trial.paths.controls[vehicle]).sum())
+            is_there = missed <= _MISSED and moved <= reach
+            if is_there or effort >= enough or self.task.limits.reached:
                 break
-        found[i] = known[min(costs)[2]]
-    return found
-
-
-def _planned(
-    trial: SuccessiveLp, vehicle: int, clearance: float, enough: float, limits: Limits
-) -> tuple[float, float]:
-    """Return what a vehicle misses on its route once planned there, and its effort [m], [m/s²].
-
-    It is planned until it misses nothing, or its effort is enough to know that others are better:
-    effort grows with what a miss costs.
-    """
-    missed = effort = np.inf
-    penalty = TUNING.first_penalty
-    for _ in range(_SWEEPS):
-        trial.plan_alone(vehicle, clearance, penalty)
-        missed = float(trial.missed[vehicle])
-        effort = float(np.abs(trial.paths.controls[vehicle]).sum())
-        if missed <= _MISSED or effort >= enough or limits.reached:
-            break
-        penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
-    return missed, effort
+            penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
+        return missed, effort
