@@ -46,6 +46,9 @@ class Begin:
         Whether that is not turned any further: the search will find a cheaper one, given time.
     is_hard : bool
         Whether it is turned to the end: the search is not expected to find a cheaper one soon.
+    is_compared : bool
+        Whether beginnings among obstacles are compared: a proof that tells better sides does not
+        follow.
     """
 
     task: Task
@@ -58,6 +61,7 @@ class Begin:
     is_any: bool = False
     is_quick: bool = False
     is_hard: bool = False
+    is_compared: bool = True
 
     def referring(self, places: Mapping[int, Matrix]) -> Turning:
         """Return half-spaces turned to given positions, for all others to their paths alone."""

@@ -116,10 +116,10 @@ def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterato
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
     usually = {i: route.places for i, route in routes.items()}
     yield from _toured(begin, limits)
-    if len(routes) > TUNING.weighed:
-        yield Attempt(begin.referring(usually), TUNING.quick_sweeps)
-    elif routes:
+    if routes and begin.is_compared and len(routes) <= TUNING.weighed:
         yield Attempt(_cheaper_begun(begin, usually, limits), TUNING.few_sweeps)
+    elif routes:
+        yield Attempt(begin.referring(usually), TUNING.quick_sweeps)
     else:
         for turning in _sides(begin, limits):
             yield Attempt(turning, TUNING.max_sweeps)

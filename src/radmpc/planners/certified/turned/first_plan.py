@@ -88,7 +88,9 @@ def first_plan(
     from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
 
     price *= _dear(is_maze=is_maze) * alone.cost() / task.risk_bound
-    routes = _routes(task, alone, stopped, clearance, price if largest < TUNING.many else None)
+    # Where many meet, who lets whom pass tells more, and where a proof follows, that tells sides.
+    is_sought = largest < TUNING.many and not is_needed
+    routes = _routes(task, alone, stopped, clearance, price if is_sought else None)
     is_aside = is_easy and not (is_needed or is_short)
     seconds = _seconds(task, is_aside=is_aside, is_maze=is_maze)
     # Where few meet, the relaxation tells the sides soon.
@@ -96,7 +98,8 @@ def first_plan(
     to_choose = None if visits is None else visits.to_choose
     is_quick = is_easy and is_short
     is_hard = bool(routes) and largest >= TUNING.many
-    begin = Begin(task, alone, routes, sets, price, clearance, to_choose, is_any, is_quick, is_hard)
+    flags = (is_any, is_quick, is_hard, not is_needed)
+    begin = Begin(task, alone, routes, sets, price, clearance, to_choose, *flags)
     return tried(begin, rng, task.limits.within(seconds))
 
 
