@@ -93,12 +93,10 @@ def first_plan(
     routes = _routes(task, alone, stopped, clearance, price if is_sought else None)
     is_aside = is_easy and not (is_needed or is_short)
     seconds = _seconds(task, is_aside=is_aside, is_maze=is_maze)
-    # Where few meet, the relaxation tells the sides soon.
-    is_any = is_easy and is_needed
     to_choose = None if visits is None else visits.to_choose
-    is_quick = is_easy and is_short
     is_hard = bool(routes) and largest >= TUNING.many
-    flags = (is_any, is_quick, is_hard, not is_needed)
+    # Where few meet, the relaxation tells the sides soon.
+    flags = (is_easy and is_needed, is_easy and is_short, is_hard, not is_needed)
     begin = Begin(task, alone, routes, sets, price, clearance, to_choose, *flags)
     return tried(begin, rng, task.limits.within(seconds))
 
