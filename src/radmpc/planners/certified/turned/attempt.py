@@ -47,8 +47,8 @@ class Begin:
     is_hard : bool
         Whether it is turned to the end: the search is not expected to find a cheaper one soon.
     is_compared : bool
-        Whether beginnings among obstacles are compared: a proof that tells better sides does not
-        follow.
+        Whether beginnings are compared: many obstacles are in the way, and no proof that tells
+        better sides follows.
     """
 
     task: Task
@@ -61,7 +61,7 @@ class Begin:
     is_any: bool = False
     is_quick: bool = False
     is_hard: bool = False
-    is_compared: bool = True
+    is_compared: bool = False
 
     def referring(self, places: Mapping[int, Matrix]) -> Turning:
         """Return half-spaces turned to given positions, for all others to their paths alone."""

@@ -88,15 +88,14 @@ def first_plan(
     from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
 
     price *= _dear(is_maze=is_maze) * alone.cost() / task.risk_bound
-    # Where many meet, who lets whom pass tells more, and where a proof follows, that tells sides.
-    is_sought = largest < TUNING.many and not is_needed
-    routes = _routes(task, alone, stopped, clearance, price if is_sought else None)
+    is_compared = not is_needed and _is_among_many(hazards, largest)
+    routes = _routes(task, alone, stopped, clearance, price if is_compared else None)
     is_aside = is_easy and not (is_needed or is_short)
     seconds = _seconds(task, is_aside=is_aside, is_maze=is_maze)
     to_choose = None if visits is None else visits.to_choose
     is_hard = bool(routes) and largest >= TUNING.many
     # Where few meet, the relaxation tells the sides soon.
-    flags = (is_easy and is_needed, is_easy and is_short, is_hard, not is_needed)
+    flags = (is_easy and is_needed, is_easy and is_short, is_hard, is_compared)
     begin = Begin(task, alone, routes, sets, price, clearance, to_choose, *flags)
     return tried(begin, rng, task.limits.within(seconds))
 
@@ -119,6 +118,14 @@ def _seconds(task: Task, *, is_aside: bool, is_maze: bool) -> float:
     # Where many share narrow ways, the search among faces has led to no plan.
     most = np.inf if is_maze else TUNING.first_seconds
     return float(min(most, time_share * task.limits.seconds_left))
+
+
+def _is_among_many(hazards: Hazards, largest: int) -> bool:
+    """Whether many obstacles are in the way rather than other vehicles.
+
+    Where many vehicles meet, who lets whom pass tells more than what each would do alone.
+    """
+    return hazards.shapes.count >= TUNING.many_obstacles and largest < TUNING.many
 
 
 def _routes(

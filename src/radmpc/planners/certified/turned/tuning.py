@@ -146,6 +146,9 @@ class Tuning:
     stopped : float
         Share of a larger fleet that obstacles stop from which on it is not [-]: 22 % of
         `fleet(64)`, 97 % of 30 robots among 204 boxes, which got no plan in 40 s.
+    many_obstacles : int
+        Obstacles from which on paths of least effort are sought and beginnings compared [-]: with
+        fewer, as in `paper(8)`, first plans take twice as long and are no cheaper.
     weighed : int
         Vehicles that obstacles stop up to which several routes around these are compared [-]: 20 to
         40 ms each among a hundred boxes.
@@ -233,6 +236,7 @@ class Tuning:
     crowd: float = 0.125
     few: int = 24
     stopped: float = 0.5
+    many_obstacles: int = 12
     weighed: int = 12
     compared: float = 6.5
     idle: float = 0.01
