@@ -90,7 +90,8 @@ def bound_faces_of_each(fleet: Fleet, state: SearchState, most_nodes: float) -> 
         price = fleet.first_unit_price(state.budget) / fleet.unit
     base, incumbent = float(sum(fleet.base)), state.incumbent
     search = BoundSearch(fleet, incumbent, price, base, most_nodes, is_by_faces=True)
-    _advance(search, fleet.singles, range(TUNING.efforts_alone))
+    _move_price(search, fleet.singles)
+    _advance(search, fleet.singles, range(TUNING.efforts_for_price, TUNING.efforts_alone))
     if not search.is_over:
         from radmpc.planners.certified.phases.least_alone import with_least_alone  # noqa: PLC0415 - few need it
 
@@ -100,6 +101,19 @@ def bound_faces_of_each(fleet: Fleet, state: SearchState, most_nodes: float) -> 
         _advance(search, incumbent.sets, range(TUNING.efforts))
     # Where faces leave no plan at all, the one at hand is best among none.
     return _with_bound(state, left, search.best) if search.best < float("inf") else state
+
+
+def _move_price(search: BoundSearch, sets: tuple[Members, ...]) -> None:
+    """Move the price while that raises the bound: the plan at hand may risk little of Δ."""
+    _advance(search, sets, range(TUNING.efforts_for_price))
+    for _ in range(TUNING.price_moves):
+        price, bound = search.price, search.bound_here()
+        if search.is_over or not search.moves_price(TUNING.most_step):
+            return
+        _advance(search, sets, range(TUNING.efforts_for_price))
+        if search.bound_here() <= bound:
+            search.price = price
+            return
 
 
 def _continued(search: BoundSearch, fleet: Fleet) -> BoundSearch:

@@ -45,6 +45,11 @@ class Tuning:
     efforts_alone : int
         Rounds of that bound of every vehicle alone, after which mixed-integer programs are tried
         [-]: of `parking` they have shown by then that they take far longer.
+    efforts_for_price : int
+        Rounds of that bound after which its price is moved [-].
+    price_moves, most_step : int, float
+        Times that the price of that bound is moved at most, and the largest factor [-]: that of the
+        plan of `clutter(10, 100, 2)` along intervals is a hundredth of the best one.
     most_alternatives : int
         Alternatives of a vehicle among obstacles up to which a mixed-integer program of it is tried
         [-]: those of `parking` have 1,160 and take 7 to 15 s, those of `clutter(10, 100)` 1,800 to
@@ -69,6 +74,9 @@ class Tuning:
     efforts: int = 16
     face_share: float = 0.25
     efforts_alone: int = 5
+    efforts_for_price: int = 2
+    price_moves: int = 6
+    most_step: float = 10.0
     most_alternatives: int = 1500
     seconds_each: float = 0.008
     most_nodes_alone: int = 20000

@@ -152,10 +152,17 @@ class BoundSearch:
                     *(" by faces" * self.is_by_faces, self.best, num_directions),
                     *(0.01 * self.fleet.scenario.risk_bound * self.price, self.nodes),
                 )
-                if self.is_over or not self._has_moved_price():
+                if self.is_over or not self.moves_price():
                     break
             if self.is_over or self.is_by_faces:
                 return
+
+    def moves_price(self, most_step: float = TUNING.most_step) -> bool:
+        """Move the price, by a factor at most, if relaxed plans risk far more or less than Δ."""
+        risks = (whole.best.risk for _, whole in self._found() if whole.best is not None)
+        before = self.price
+        self.price = better_price(before, sum(risks) / self.fleet.scenario.risk_bound, most_step)
+        return self.price != before
 
     def relaxed_controls(self) -> tuple[Matrix, ...]:
         """Return the best plan of the relaxation; nothing where it is the plan at hand."""
@@ -165,7 +172,7 @@ class BoundSearch:
     @property
     def value(self) -> float:
         """What the best plan of the relaxation is worth, as the bound counts it."""
-        return self._bound_here() + self._left()
+        return self.bound_here() + self._left()
 
     def _left(self) -> float:
         """Return by how much the relaxed plans of parts at this price cost more than is proven."""
@@ -190,10 +197,10 @@ class BoundSearch:
     def _search(self, num_directions: int) -> None:
         """Search all parts at the present price, until what is open matters no more."""
         for effort in range(TUNING.rounds):
-            bound, nodes = self._bound_here(), self.nodes
+            bound, nodes = self.bound_here(), self.nodes
             if self.is_left or not self.advance(TUNING.nodes, effort, self.order, num_directions):
                 return
-            gain, left = self._bound_here() - bound, self.most_nodes - self.nodes
+            gain, left = self.bound_here() - bound, self.most_nodes - self.nodes
             # Of few vehicles, or while they are first searched alone, no rate is steady.
             is_steady = self.fleet.is_large and effort > 0
             self.is_left = is_steady and is_slow(gain, self.nodes - nodes, left, self._missing())
@@ -227,14 +234,14 @@ class BoundSearch:
                 is_new |= answer.is_new
                 self.nodes += answer.nodes
                 keep_latest(self.proven, members, answer.sets)
-                self.best = max(self.best, self._bound_here())
+                self.best = max(self.best, self.bound_here())
                 if self.is_over:
                     return False
         return is_new and not self._is_futile(worth)
 
     def _missing(self) -> float:
         """Return by how much the bound has to rise."""
-        return (1.0 - self.gap) * self.incumbent.cost - self._bound_here()
+        return (1.0 - self.gap) * self.incumbent.cost - self.bound_here()
 
     def _is_futile(self, worth: float) -> bool:
         """Whether even a search to the end would not do, and leave most of the gap open."""
@@ -242,7 +249,7 @@ class BoundSearch:
         still = [m for m in self.order if m not in found]
         left = self._left() + hidden_value(found.items(), self._paid_for_hazards)
         most = left + sum(min(self._paid_for_hazards(m), worth) for m in still)
-        is_little = left <= TUNING.futile * (self.incumbent.cost - self._bound_here())
+        is_little = left <= TUNING.futile * (self.incumbent.cost - self.bound_here())
         return most < self._missing() and is_little
 
     def _answers(
@@ -285,16 +292,9 @@ class BoundSearch:
         """Nodes left to a part; of a large fleet all, for two processes need no part twice then."""
         return float("inf") if self.fleet.is_large else self.most_nodes - self.nodes
 
-    def _bound_here(self) -> float:
+    def bound_here(self) -> float:
         """Return the bound at the present price."""
         total = sum(map(self._bound_of, self.order))
         # What the starts risk is no choice of a plan's, and no part of what faces are charged.
         spent = self.fleet.initial if self.is_by_faces else 0.0
         return total - self.price * (self.fleet.scenario.risk_bound - spent)
-
-    def _has_moved_price(self) -> bool:
-        """Choose a better price where the relaxed plans risk far more or less than Δ."""
-        risks = (whole.best.risk for _, whole in self._found() if whole.best is not None)
-        before = self.price
-        self.price = better_price(before, sum(risks) / self.fleet.scenario.risk_bound)
-        return self.price != before
