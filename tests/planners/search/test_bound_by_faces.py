@@ -45,6 +45,17 @@ def test_no_plan_within_the_union_bound_is_below_it(price: float) -> None:
     assert sum(problem.base) * 1.02 < bound <= cost * (1.0 + 1e-6)
 
 
+def test_a_price_that_is_far_too_high_is_moved() -> None:
+    centralized = Planner(Ira(), Branch(), Centralized())
+    bounds = {}
+    for price in (2.0, 20.0):
+        problem, state, cost = left_open(paper(2, 0), centralized, 1.5, price)
+        bounded = bound_faces_of_each(problem, state, 4000.0)
+        bounds[price] = reported_bound(problem, bounded, problem.gap)
+        assert bounds[price] <= cost * (1.0 + 1e-6)
+    assert bounds[20.0] > 0.999 * bounds[2.0]
+
+
 @pytest.mark.slow
 def test_among_boxes_it_comes_near_what_each_vehicle_has_to_go_around() -> None:
     scenario = replace(clutter(2, 20, 3), avoidance="steps")
