@@ -192,7 +192,7 @@ def test_the_safest_plan_found_on_the_way_is_returned_if_the_referee_certifies_i
     monkeypatch.setattr(searching, "first_plan", lambda *_, **__: FleetIncumbent())
     # As where simple bounds see no plan at all: the search for the reason finds the safest one.
     monkeypatch.setattr(PriceSearch, "run", lambda self, state: state)
-    monkeypatch.setattr(certified, "bound_faces_of_each", lambda fleet, state, most_nodes: state)
+    monkeypatch.setattr(certified, "bound_faces_of_each", lambda fleet, state, *_: state)
     monkeypatch.setattr(fallbacks, "turn_from_noiseless", lambda fleet, state, judge: state)
     result = plan(paper(3, 2), "certified")
     assert result.status is Status.FEASIBLE

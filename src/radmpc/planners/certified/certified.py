@@ -122,7 +122,8 @@ class Certified(Decomposition):
         # The nodes of a search that was left say nothing of how hard the proof is.
         is_untold = is_left and run.limits.seconds_left < float("inf")
         is_timed = is_untold or result.stopped_by is not None
-        state = bound_faces_of_each(improving, state, _nodes_of_proof(fleet, state, is_timed))
+        most_nodes = _nodes_of_proof(fleet, state, is_timed)
+        state = bound_faces_of_each(improving, state, most_nodes, run.judge)
         tell(run, state.incumbent.cost, reported_bound(fleet, state, fleet.gap))
         most_nodes = _nodes_of_proof(fleet, state, is_untold)
         proof = self._proof(fleet, state, result.proven, most_nodes)

@@ -12,6 +12,7 @@ from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.state.bounds import is_proven, shadow_price
 from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.verdict import Judge
 from radmpc.records import replace
 
 if TYPE_CHECKING:
@@ -61,7 +62,9 @@ def bound_faces(
     return _with_bound(state, left, search.best)
 
 
-def bound_faces_of_each(fleet: Fleet, state: SearchState, most_nodes: float) -> SearchState:
+def bound_faces_of_each(
+    fleet: Fleet, state: SearchState, most_nodes: float, judge: Judge | None = None
+) -> SearchState:
     """Bound them where a search left a gap: every vehicle alone first, then sets.
 
     A search at a price counts union bounds up to what the referee may leave of them, many times Δ,
@@ -72,12 +75,14 @@ def bound_faces_of_each(fleet: Fleet, state: SearchState, most_nodes: float) -> 
     ----------
     fleet, state, most_nodes
         As in `bound_faces`.
+    judge : callable or None
+        The referee, for half-spaces to be turned to what vehicles do alone; None turns none.
 
     Returns
     -------
     SearchState
-        With that bound; as it is where the gap asked for is proven, in large fleets, and where no
-        plan by faces is within Δ.
+        With that bound, and a cheaper plan if any; as it is where the gap asked for is proven, in
+        large fleets, and where no plan by faces is within Δ.
     """
     left = fleet.scenario.risk_bound - fleet.initial
     is_asked = not (fleet.is_large or fleet.scenario.has_windows)
@@ -92,15 +97,37 @@ def bound_faces_of_each(fleet: Fleet, state: SearchState, most_nodes: float) -> 
     search = BoundSearch(fleet, incumbent, price, base, most_nodes, is_by_faces=True)
     _move_price(search, fleet.singles)
     _advance(search, fleet.singles, range(TUNING.efforts_for_price, TUNING.efforts_alone))
+    state = _turned_to_alone(search, state, judge)
     if not search.is_over:
         from radmpc.planners.certified.phases.least_alone import with_least_alone  # noqa: PLC0415 - few need it
 
         fleet = with_least_alone(fleet, incumbent, left)
         search = _continued(search, fleet)
         _advance(search, fleet.singles, range(TUNING.efforts_alone, TUNING.efforts))
+        state = _turned_to_alone(search, state, judge)
         _advance(search, incumbent.sets, range(TUNING.efforts))
     # Where faces leave no plan at all, the one at hand is best among none.
     return _with_bound(state, left, search.best) if search.best < float("inf") else state
+
+
+def _turned_to_alone(search: BoundSearch, state: SearchState, judge: Judge | None) -> SearchState:
+    """Turn half-spaces to the best that vehicles do alone among obstacles, on other sides."""
+    fleet, incumbent = search.fleet, state.incumbent
+    if judge is None or fleet.limits.reached or not fleet.scenario.obstacles:
+        return state
+    from radmpc.planners.certified.turned.large.sides import on_other_sides  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.turning import turn_to  # noqa: PLC0415 - few need it
+
+    other = search.relaxed_controls()
+    is_other = other and on_other_sides(
+        fleet.programs.hazards, incumbent.controls, other, TUNING.same_side
+    )
+    if not is_other:
+        return state
+    state = turn_to(fleet, state, judge, other, search.price)
+    if state.incumbent.cost < incumbent.cost:
+        search.continue_from(state.incumbent, search.price)
+    return state
 
 
 def _move_price(search: BoundSearch, sets: tuple[Members, ...]) -> None:
