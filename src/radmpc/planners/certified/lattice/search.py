@@ -136,7 +136,8 @@ class PathSearch:
             Positions [m], until there is no path.
         """
         self._look()
-        lattice, known = self._lattice(), dict[tuple[object, ...], Slacks]()
+        lattice = self._lattice()
+        known: SlacksByKey = {}
         for most_risk in most_risks:
             cells = self._search(lattice, price, 0.0, limits, known, most_risk)
             if cells is None:

@@ -101,7 +101,7 @@ def bound_faces_of_each(
     if not search.is_over:
         from radmpc.planners.certified.phases.least_alone import with_least_alone  # noqa: PLC0415 - few need it
 
-        fleet = with_least_alone(fleet, incumbent, left)
+        fleet = with_least_alone(fleet, state.incumbent, left)
         search = _continued(search, fleet)
         _advance(search, fleet.singles, range(TUNING.efforts_alone, TUNING.efforts))
         state = _turned_to_alone(search, state, judge)

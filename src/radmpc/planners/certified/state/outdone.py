@@ -25,10 +25,8 @@ def is_outdone(fleet: Fleet, state: SearchState, rival: float) -> bool:
 
     Parameters
     ----------
-    fleet : Fleet
-        The fleet.
-    state : SearchState
-        What is known of it.
+    fleet, state
+        As in `bound_on_cost`.
     rival : float
         Cost of that plan; inf without one.
     """
