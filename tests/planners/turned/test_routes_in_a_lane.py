@@ -90,6 +90,17 @@ def test_gaps_are_seen_at_steps_and_along_intervals(avoidance):
     assert gap_middles(avoidances, 1, 3.0) == [pytest.approx(0.05)]
 
 
+def test_half_planes_of_what_stands_still_are_held_once_for_all_windows():
+    scenario = lane()
+    problem = problem_of(scenario)
+    avoidances = half_planes_of(
+        problem.program, scenario.horizon, problem.passage.path_search.output_slice
+    )
+    every = [avoidance for at in avoidances for avoidance in at]
+    assert len({id(avoidance.here) for avoidance in every}) == len({each.key for each in every})
+    assert len({each.key for each in every}) < len(every)
+
+
 def test_a_search_that_is_stopped_is_not_taken_for_one_without_a_way():
     problem, asked = problem_of(lane()), []
     stopping = Limits(is_stopped=lambda: bool(asked.append(None)) or len(asked) > 5)

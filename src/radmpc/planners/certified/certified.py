@@ -31,6 +31,7 @@ from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Solver, relative_gap
+from radmpc.system.memory import hand_back_freed
 
 __all__ = ["Certified"]
 
@@ -118,6 +119,7 @@ class Certified(Decomposition):
     ) -> tuple[SearchState, float]:
         """Bound plans by faces in the time for improving, then any, and turn to others."""
         run.progress("proving", 0, 1)
+        hand_back_freed()
         fleet = result.search.fleet.with_limits(run.limits)
         # The nodes of a search that was left say nothing of how hard the proof is.
         is_untold = is_left and run.limits.seconds_left < float("inf")

@@ -18,6 +18,7 @@ from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.choosing import bounded_lp
 from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.solution import Limits
+from radmpc.system.memory import hand_back_freed
 
 __all__ = ["SetPrograms"]
 
@@ -81,6 +82,7 @@ class SetPrograms:
         """
         self._problems.clear()
         self._motions.clear()
+        hand_back_freed()
 
     def _forget_parts(self, members: Members) -> None:
         """Give up the programs of several of some vehicles; what one does alone is asked for."""

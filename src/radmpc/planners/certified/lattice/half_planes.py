@@ -65,6 +65,7 @@ def half_planes_of(
     steps[places.row] = places.col // 2
     is_interval = bool(np.any(np.diff(program.alternative_starts) >= 2))
     found: list[list[AvoidanceHalfPlanes]] = [[] for _ in range(horizon)]
+    known: dict[tuple[bytes, bytes], tuple[Matrix, Matrix]] = {}
     for index, label in enumerate(program.avoidances):
         k = label.step - (0 if is_interval else 1)
         alternatives = program.alternatives_of(index)
@@ -75,6 +76,8 @@ def half_planes_of(
                 plane = here if steps[row] == k else ahead
                 plane[number] = [*normals[row], offsets[row]]
                 deviation = max(deviation, float(rows.deviations[row]))
+        # What stands still is held once, not once a window.
+        here, ahead = known.setdefault((here.tobytes(), ahead.tobytes()), (here, ahead))
         found[k].append(AvoidanceHalfPlanes(here, ahead, deviation))
     return found
 

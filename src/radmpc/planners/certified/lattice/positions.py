@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.lattice.half_planes import (
@@ -60,6 +61,30 @@ class Lattice:
             return list(self.lines)
         counts = [reference[a] + self.first[a] + np.arange(self.shape[a]) for a in (0, 1)]
         return [self.start[a] + self.stride[a] * counts[a] for a in (0, 1)]
+
+    def inside(self, k: int, lower: Vector, upper: Vector) -> npt.NDArray[np.bool_]:
+        """Return whether positions at a step lie in a box, up to half a cell.
+
+        Parameters
+        ----------
+        k : int
+            The step.
+        lower, upper : (2,) array
+            Corners of the box [m].
+
+        Returns
+        -------
+        (a, b) array
+            By position along each axis.
+        """
+        found = []
+        for axis in (0, 1):
+            cells = self.reference[k, axis] + self.first[axis]
+            points = (cells + np.arange(self.shape[axis])) * self.stride[axis]
+            points = points + self.start[axis]
+            half = 0.5 * self.stride[axis]
+            found.append((points >= lower[axis] - half) & (points <= upper[axis] + half))
+        return np.asarray(found[0][:, None] & found[1][None, :])
 
     def reached(
         self, points: Matrix, indices: tuple[Indices, Indices], steps: Indices

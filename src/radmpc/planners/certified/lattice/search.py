@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.arrays import Indices, Matrix
 from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes, half_planes_of
 from radmpc.planners.certified.lattice.motion import Motion
@@ -29,11 +29,19 @@ from radmpc.planners.certified.lattice.positions import (
     snapped_lattice,
 )
 from radmpc.planners.certified.lattice.slacks import Slacks, slacks_of
-from radmpc.planners.certified.lattice.tables import INFEASIBLE, Float32, changed, shifted, tail_of
+from radmpc.planners.certified.lattice.tables import (
+    INFEASIBLE,
+    FeasibleValues,
+    Float32,
+    changed,
+    shifted,
+    tail_of,
+)
 from radmpc.planners.certified.lattice.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.solution import Limits
+from radmpc.system.memory import hand_back_freed
 
 __all__ = ["PathSearch"]
 
@@ -113,6 +121,7 @@ class PathSearch:
         self._look()
         if (price, delay_cost) not in self._paths:
             path = self._refined_path(price, delay_cost, limits)
+            hand_back_freed()
             if limits.reached:
                 return path
             self._paths[price, delay_cost] = path
@@ -197,7 +206,7 @@ class PathSearch:
         )
         weight = np.float32(price)
         late = np.float32(delay_cost)
-        arrivals: list[Float32] = []
+        arrivals: list[FeasibleValues] = []
         for k in range(horizon):
             if limits.reached:
                 return None
@@ -213,15 +222,15 @@ class PathSearch:
             values[:, :, ~self._within_reach(lattice, k + 1)] = INFEASIBLE
             if delay_cost > 0.0:
                 values[:, :, ~self._in_goal(lattice, k + 1)] += late
-            arrivals.append(values)
+            arrivals.append(FeasibleValues.of(values))
         if values.min() >= 0.5 * INFEASIBLE:
             return None
         return self._traced(lattice, arrivals)
 
-    def _traced(self, lattice: Lattice, arrivals: list[Float32]) -> Indices:
+    def _traced(self, lattice: Lattice, arrivals: list[FeasibleValues]) -> Indices:
         """Follow the cheapest path back from its end."""
         displacements = np.diff(lattice.reference, axis=0)
-        last = np.unravel_index(int(arrivals[-1].argmin()), arrivals[-1].shape)
+        last = np.unravel_index(int(arrivals[-1].whole().argmin()), arrivals[-1].shape)
         displacement, cell = np.array(last[:2]), np.array(last[2:])
         cells = [cell]
         for k in range(self.model.horizon - 1, -1, -1):
@@ -231,7 +240,7 @@ class PathSearch:
                 tables = self.motion.change_costs(
                     displacements[k - 1], displacements[k], lattice.stride, lattice.reach
                 )
-                total = arrivals[k - 1][:, :, cell[0], cell[1]]
+                total = arrivals[k - 1].whole()[:, :, cell[0], cell[1]]
                 total = (
                     total
                     + tables[0][displacement[0]][:, None]
@@ -240,25 +249,14 @@ class PathSearch:
                 displacement = np.array(np.unravel_index(int(total.argmin()), total.shape))
         return np.asarray(cells[::-1] + lattice.first + lattice.reference)
 
-    def _within_reach(self, lattice: Lattice, k: int) -> np.ndarray:
+    def _within_reach(self, lattice: Lattice, k: int) -> npt.NDArray[np.bool_]:
         """Whether positions lie in the vehicle's reach at a step, up to half a cell."""
-        return self._in_box(lattice, k, self.model.reach_lower[k], self.model.reach_upper[k])
+        return lattice.inside(k, self.model.reach_lower[k], self.model.reach_upper[k])
 
-    def _in_goal(self, lattice: Lattice, k: int) -> np.ndarray:
+    def _in_goal(self, lattice: Lattice, k: int) -> npt.NDArray[np.bool_]:
         """Whether positions lie in the goal at a step, up to half a cell."""
         goal = self.model.vehicle.goal
-        return self._in_box(lattice, k, goal.lower, goal.upper)
-
-    def _in_box(self, lattice: Lattice, k: int, lower: Vector, upper: Vector) -> np.ndarray:
-        """Whether positions lie in a box at a step, up to half a cell."""
-        inside = []
-        for axis in (0, 1):
-            cells = lattice.reference[k, axis] + lattice.first[axis]
-            points = (cells + np.arange(lattice.shape[axis])) * lattice.stride[axis]
-            points = points + lattice.start[axis]
-            half = 0.5 * lattice.stride[axis]
-            inside.append((points >= lower[axis] - half) & (points <= upper[axis] + half))
-        return np.asarray(inside[0][:, None] & inside[1][None, :])
+        return lattice.inside(k, goal.lower, goal.upper)
 
     def _risks(
         self, lattice: Lattice, k: int, known: SlacksByKey

@@ -11,9 +11,10 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Indices, Vector
+from radmpc.arrays import Indices
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes
 from radmpc.planners.certified.lattice.positions import Lattice
+from radmpc.planners.certified.lattice.tables import Float32
 from radmpc.records import dataclass
 
 __all__ = ["Slacks", "slacks_of"]
@@ -35,8 +36,8 @@ class Slacks:
     """
 
     bits: npt.NDArray[np.uint8]
-    numbers: Indices
-    values: Vector
+    numbers: npt.NDArray[np.uint32]
+    values: Float32
 
     def blocked(self, count: int) -> npt.NDArray[np.bool_] | None:
         """Return whether each of all displacements is blocked; None where none is."""
@@ -90,7 +91,11 @@ def slacks_of(
     number, cell = np.nonzero((best < little) & (best >= least))
     cells = x * lattice.shape[1] + y
     numbers = number * (lattice.shape[0] * lattice.shape[1]) + cells[cell]
-    return Slacks(_bits(best < least, cells, lattice), numbers, best[number, cell])
+    return Slacks(
+        _bits(best < least, cells, lattice),
+        numbers.astype(np.uint32),
+        best[number, cell].astype(np.float32),
+    )
 
 
 def _bits(

@@ -1,4 +1,8 @@
-"""Values of a lattice search as arrays: tails from a table, changes of displacement, and moves."""
+"""Values of a lattice search as arrays: tails from a table, changes of displacement, and moves.
+
+Of the values of a search eight or nine tenths are infeasible, blocked or out of reach. What is kept
+of each window is a bit for all and a value for the others (of a map of 32 x 32 cells 3 MB, not 26).
+"""
 
 from __future__ import annotations
 
@@ -10,8 +14,9 @@ import numpy.typing as npt
 
 from radmpc.arrays import Vector
 from radmpc.gaussian import Tail
+from radmpc.records import dataclass
 
-__all__ = ["INFEASIBLE", "Float32", "changed", "shifted", "tail_of"]
+__all__ = ["INFEASIBLE", "FeasibleValues", "Float32", "changed", "shifted", "tail_of"]
 
 INFEASIBLE = np.float32(1e9)
 """Value of what is not allowed: large beside any plan's cost, finite when summed over a path."""
@@ -23,6 +28,38 @@ _FAR = 10
 """Clearance beyond which there is no risk (8e-24) [standard deviations]."""
 
 Float32 = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FeasibleValues:
+    """Values by displacement and position, of which most are infeasible.
+
+    Attributes
+    ----------
+    bits : (ceil(n / 8),) array
+        A bit per value: whether it is feasible.
+    values : (m,) array
+        Those that are.
+    shape : tuple of int
+        Of all values.
+    """
+
+    bits: npt.NDArray[np.uint8]
+    values: Float32
+    shape: tuple[int, ...]
+
+    @classmethod
+    def of(cls, values: Float32) -> FeasibleValues:
+        """Return the values of an array."""
+        is_feasible = values < 0.5 * INFEASIBLE
+        return cls(np.packbits(is_feasible), values[is_feasible], values.shape)
+
+    def whole(self) -> Float32:
+        """Return the array, infeasible values all the same."""
+        whole = np.full(self.shape, INFEASIBLE, dtype=np.float32)
+        is_feasible = np.unpackbits(self.bits, count=whole.size).view(np.bool_)
+        whole.ravel()[is_feasible] = self.values
+        return whole
 
 
 @cache

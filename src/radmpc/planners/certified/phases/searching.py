@@ -27,6 +27,7 @@ from radmpc.program.hazards import Hazards
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import Limits
+from radmpc.system.memory import hand_back_freed
 
 __all__ = ["SearchResult", "searched", "tell"]
 
@@ -101,6 +102,9 @@ def searched(
     first = _first(scenario, planner.gap, run, begin, hazards, is_needed=is_tight)
     if first.controls and scenario.obstacles and not is_tight:
         begin = but_for_faces(begin, run.limits)
+    if not is_tight:
+        # What follows builds programs of its own, and may be large.
+        hand_back_freed()
     fleet = _fleet(scenario, planner.gap, run, begin, hazards, first.cost)
     search, state = PriceSearch.of(fleet, run.judge, first.cost), SearchState.of(fleet)
     if not fleet.programs.build_alone(run.limits):
