@@ -68,7 +68,7 @@ def _tails(tail: Tail) -> Vector:
     return tail.probability(np.arange(-_FAR * _FINENESS, _FAR * _FINENESS + 1) / _FINENESS)
 
 
-def tail_of(clearances: Vector, tail: Tail) -> Vector:
+def tail_of(clearances: Vector | Float32, tail: Tail) -> Vector:
     """Return tail probabilities, rounded to the clearances of a table.
 
     Parameters
