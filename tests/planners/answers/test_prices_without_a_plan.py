@@ -54,6 +54,19 @@ def test_a_large_fleet_pays_twice_as_much_at_once_where_a_round_ends_just_above_
     assert urgent.price == PRICE_TUNING.urgency * usual.price
 
 
+def test_a_price_is_not_hurried_where_certificates_are_already_close_to_the_bound() -> None:
+    near, far = (PriceControl(1.0, 0.05, 1e-3) for _ in range(2))
+    paths = Paths(HAZARDS).state()
+    for control, certified in ((near, 0.055), (far, 0.06)):
+        control.begin(0.5, 9.0, paths)
+        for cost in (9.5, 10.0, 10.5):
+            control.follow(certified, cost, paths)
+    followed = (0.055 / (PRICE_TUNING.aim * 0.05)) ** PRICE_TUNING.damping
+    assert near.price == pytest.approx(followed**3)
+    followed = (0.06 / (PRICE_TUNING.aim * 0.05)) ** PRICE_TUNING.damping
+    assert far.price == pytest.approx(followed**3 * PRICE_TUNING.impatience ** (1 + 2))
+
+
 def test_a_large_fleet_gives_up_a_start_whose_risk_does_not_fall_as_its_price_rises() -> None:
     control = PriceControl(1.0, 0.05, 1e-3, is_urgent=True)
     paths = Paths(HAZARDS).state()

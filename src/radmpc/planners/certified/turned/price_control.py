@@ -107,7 +107,8 @@ class PriceControl:
         self.price *= ratio**PRICE_TUNING.damping
         if is_over and is_little and self._safe is not None:
             self.price *= PRICE_TUNING.nudge
-        if is_over and self._safe is None:
+        is_near = certified <= PRICE_TUNING.patient * self.risk_bound
+        if is_over and self._safe is None and (self.is_urgent or not is_near):
             # The longer nothing is certified, the less it may cost to wait.
             waited = self._num_over if self.is_urgent else self._num_over - 1
             self.price *= (
