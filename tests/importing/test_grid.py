@@ -274,29 +274,3 @@ def test_spoiled_grids_end_in_one_line(tmp_path: Path) -> None:
             assert line.startswith(str(tmp_path))
             assert line.isprintable()
     assert num_refused > 100
-
-
-@pytest.mark.parametrize(
-    ("count", "is_walled", "horizon"), [(8, True, 30), (25, True, 45), (25, False, 30)]
-)
-def test_many_who_go_around_obstacles_get_more_steps(
-    tmp_path: Path, count: int, horizon: int, *, is_walled: bool
-) -> None:
-    text = beside_a_wall(count, 20 if is_walled else 1)
-    assert import_scenario(written(tmp_path, text)).scenario.horizon == horizon
-
-
-def test_many_who_go_around_obstacles_get_time_for_each_other(tmp_path: Path) -> None:
-    few, many = (
-        import_scenario(written(tmp_path, beside_a_wall(count, 40))).scenario for count in (24, 25)
-    )
-    # The vehicle of the longest way is the same: both last a multiple of its time.
-    ratio = (many.dt * many.horizon) / (few.dt * few.horizon)
-    assert ratio == pytest.approx(1.6 / 1.3, rel=0.01)
-
-
-def beside_a_wall(count: int, height: int) -> str:
-    """Return a grid world of vehicles that go straight on, across or around a wall."""
-    agents = [f"- {{name: a{i}, start: [0, {2 * i}], goal: [31, {2 * i}]}}\n" for i in range(count)]
-    blocked = [[15, y] for y in range(height)]
-    return f"agents:\n{''.join(agents)}map:\n  dimensions: [32, 50]\n  obstacles: {blocked}\n"

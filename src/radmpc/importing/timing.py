@@ -25,7 +25,8 @@ _TIGHT_FACTOR = 1.5
 _CROWDED_FACTOR = 1.6
 """The same where many go around obstacles: their detours around each other add up. On maps of
 32 x 32 cells with 40 to 100 robots first plans come after 0.86 of the time that they take with 1.3,
-for 0.7 of the effort, and all 27 have one within 60 s, not all but three; with 2.0 one has none."""
+for 0.7 of the effort, and all 27 maps have one within 60 s, where three had none; of four maps one
+has none with 2.0."""
 
 _FEWEST_STEPS, _MOST_STEPS = 10, 30
 """Steps that are chosen: few leave too little choice, many multiply the program."""
