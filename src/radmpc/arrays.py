@@ -16,6 +16,7 @@ from radmpc.errors import ScenarioError
 __all__ = [
     "Frozen",
     "Indices",
+    "Integers",
     "Matrix",
     "Tensor",
     "Vector",
@@ -34,6 +35,9 @@ Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 Tensor = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
+
+Integers = npt.NDArray[np.signedinteger]
+"""Of 64 or 32 bits, which take half the memory where there are very many."""
 
 _Value = TypeVar("_Value")
 

@@ -121,3 +121,14 @@ def test_the_restriction_to_some_blocks_keeps_only_what_concerns_them():
 def test_the_restriction_to_all_blocks_is_the_program_itself():
     program = built(circle(3))
     assert restrict(program, np.arange(3)).program is program
+
+
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+def test_programs_hold_no_coefficient_that_is_zero(avoidance):
+    box = Obstacle.box("box", np.array([3.0, -0.5]), np.array([5.0, 0.5]))
+    scenario = scene_of(mover("a"), mover("b", (0.0, 2.0)), avoidance=avoidance, obstacles=(box,))
+    normals = built(scenario).rows.normals
+    assert np.all(normals.data != 0.0)
+    if avoidance == "steps":
+        # Faces along the axes ask for one coordinate of the one who avoids, or of both.
+        assert set(np.diff(normals.indptr)) == {1, 2}

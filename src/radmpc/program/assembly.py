@@ -178,14 +178,13 @@ def stacked_chance_rows(
         event_base += block.event_steps.size
     values = _join([b.entry_values for b in blocks], np.float64)
     # SciPy keeps the integers it is given: small ones take half the memory, and are read sooner.
-    columns = _join([b.entry_outputs for b in blocks], np.int32)
-    where = (_join(entry_rows, np.int32), columns)
+    where = _join(entry_rows, np.int32), _join([b.entry_outputs for b in blocks], np.int32)
     return ChanceRows(
         normals=csr_array((values, where), shape=(row_base, num_outputs)),
         offsets=_join([b.offsets for b in blocks], np.float64),
         deviations=_join([b.deviations for b in blocks], np.float64),
-        events=_join(events, np.int64),
-        risk_items=_join(risk_items, np.int64),
+        events=_join(events, np.int32),
+        risk_items=_join(risk_items, np.int32),
     )
 
 

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Integers, Matrix, Tensor, Vector
 from radmpc.records import dataclass, replace
 
 __all__ = ["Body", "End", "Part", "RowBlock", "Windows"]
-
-
-Integers = npt.NDArray[np.signedinteger]
-"""Of any width: there are as many as a program has entries or rows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -185,12 +180,16 @@ class RowBlock:
     avoidance_things: Indices | None = None
 
     def compact(self) -> RowBlock:
-        """Return the same, numbers of entries, rows and alternatives in half the memory."""
-        parents = self.alternative_parents
+        """Return the same without zeros, numbers of entries, rows and so on in half the memory.
+
+        Half of the entries along the faces of boxes are zeros, and points are rated by all others.
+        """
+        parents, is_any = self.alternative_parents, self.entry_values != 0.0
         return replace(
             self,
-            entry_rows=self.entry_rows.astype(np.int32),
-            entry_outputs=self.entry_outputs.astype(np.int32),
+            entry_rows=self.entry_rows[is_any].astype(np.int32),
+            entry_outputs=self.entry_outputs[is_any].astype(np.int32),
+            entry_values=self.entry_values[is_any],
             events=self.events.astype(np.int32),
             alternative_sizes=self.alternative_sizes.astype(np.int32),
             alternative_parents=None if parents is None else parents.astype(np.int32),

@@ -282,7 +282,7 @@ class ProgramBuilder:
             output_upper=np.concatenate([*(s.reach_upper.ravel() for s in self.models), upper]),
             rows=rows,
             alternative_starts=run_starts([b.alternative_sizes for b in self.blocks]),
-            alternative_rows=np.arange(rows.count),
+            alternative_rows=np.arange(rows.count, dtype=np.int32),
             avoidance_starts=avoidance_starts,
             avoidances=tuple(self.avoidances),
             risk_items=tuple(self.risk_items),

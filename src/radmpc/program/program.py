@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
 
-from radmpc.arrays import Indices, Vector, distinct
+from radmpc.arrays import Indices, Integers, Vector, distinct
 from radmpc.gaussian import GAUSSIAN, Tail, clearance
 from radmpc.model.plan import Cause
 from radmpc.program.layout import ProgramLayout, owners_of_runs
@@ -75,8 +75,8 @@ class ChanceRows:
     normals: csr_array
     offsets: Vector
     deviations: Vector
-    events: Indices
-    risk_items: Indices
+    events: Integers
+    risk_items: Integers
 
     @property
     def count(self) -> int:
@@ -160,7 +160,7 @@ class DisjunctiveProgram:
     output_upper: Vector
     rows: ChanceRows
     alternative_starts: Indices
-    alternative_rows: Indices
+    alternative_rows: Integers
     avoidance_starts: Indices
     avoidances: tuple[RiskItem, ...]
     risk_items: tuple[RiskItem, ...]

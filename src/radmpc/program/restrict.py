@@ -214,7 +214,7 @@ def _with_avoidances(
             risk_items=program.rows.risk_items,
         ),
         alternative_starts=_starts(np.diff(program.alternative_starts)[alternatives]),
-        alternative_rows=place,
+        alternative_rows=place.astype(np.int32),
         avoidance_starts=avoidance_starts,
         avoidances=tuple(program.avoidances[int(i)] for i in avoidances),
         layout=replace(program.layout, owners=owners_of_runs(avoidance_starts)),

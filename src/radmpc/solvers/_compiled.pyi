@@ -39,8 +39,7 @@ class Ratings:
         row_values: Vector,
         constant: Vector,
         offsets: Vector,
-        inverse_deviations: Vector,
-        reference: Vector,
+        deviations: Vector,
         table: Numbers,
         alternative_starts: Numbers,
         alternative_rows: Numbers,
@@ -49,6 +48,7 @@ class Ratings:
         width: int,
         num_events: int,
         samples: int,
+        reference: float,
         /,
     ) -> Ratings: ...
     def rate(

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from radmpc.arrays import Indices, Vector
+from radmpc.arrays import Indices, Integers, Vector
 from radmpc.program.program import DisjunctiveProgram
 
 __all__ = [
@@ -102,7 +102,7 @@ def possible_alternatives(program: DisjunctiveProgram, margins: Vector) -> np.nd
     )
 
 
-def alternative_table(program: DisjunctiveProgram, possible: np.ndarray) -> Indices:
+def alternative_table(program: DisjunctiveProgram, possible: np.ndarray) -> Integers:
     """Return the possible alternatives of every avoidance, (v, most), padded with −1.
 
     Parameters
@@ -114,7 +114,7 @@ def alternative_table(program: DisjunctiveProgram, possible: np.ndarray) -> Indi
     """
     owner = program.layout.owners[possible]
     counts = np.bincount(owner, minlength=program.num_avoidances)
-    table = np.full((program.num_avoidances, int(counts.max(initial=1))), -1, dtype=np.int64)
+    table = np.full((program.num_avoidances, int(counts.max(initial=1))), -1, dtype=np.int32)
     place = np.arange(owner.size) - np.repeat(np.cumsum(counts) - counts, counts)
     table[owner, place] = np.flatnonzero(possible)
     return table

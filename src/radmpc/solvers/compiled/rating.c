@@ -137,7 +137,7 @@ static void rate_avoidance(const Ratings *ratings, int avoidance, Rated *into) {
         double worst = -INFINITY, closest = INFINITY;
         for (int r = ratings->row_starts[alternatives[a]]; r < row_end; r++) {
             int row = ratings->rows[r];
-            worst = fmax(worst, ratings->reference[row] - ratings->slacks[row]);
+            worst = fmax(worst, ratings->deviations[row] * ratings->reference - ratings->slacks[row]);
             closest = fmin(closest, into->clearances[row]);
         }
         shortfall[a] = worst;
@@ -172,8 +172,8 @@ void ratings_rate(Ratings *ratings, const double *z, Rated *into) {
     multiply(&ratings->normals, ratings->num_rows, at, slacks);
     for (int i = 0; i < ratings->num_rows; i++) {
         slacks[i] = ratings->offsets[i] - slacks[i];
-        double inverse = ratings->inverse_deviations[i];
-        into->clearances[i] = inverse > 0.0 ? slacks[i] * inverse : slacks[i] >= -CONTACT ? INFINITY : -INFINITY;
+        double deviation = ratings->deviations[i];
+        into->clearances[i] = deviation > 0.0 ? slacks[i] * (1.0 / deviation) : slacks[i] >= -CONTACT ? INFINITY : -INFINITY;
     }
     for (int v = 0; v < ratings->num_avoidances; v++) rate_avoidance(ratings, v, into);
     add_up(ratings, into);

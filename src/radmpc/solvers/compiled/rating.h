@@ -12,7 +12,8 @@ typedef struct {
     int samples;               /* degrees of freedom of Student's t; 0: Gaussian */
     double log_beta;           /* of half of them, and a half */
     Matrix outputs, normals;   /* outputs over the point, rows over the outputs */
-    const double *constant, *offsets, *inverse_deviations, *reference;
+    const double *constant, *offsets, *deviations;
+    double reference;          /* clearance that shortfalls are measured from */
     const int *table;                /* alternatives of each avoidance, `width` apart, -1 where none */
     const int *row_starts, *rows, *events;
     double *at, *slacks;       /* outputs and rows of the last point */

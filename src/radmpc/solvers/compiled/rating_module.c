@@ -29,14 +29,14 @@ static int is_sparse(const Arrays *arrays, int first, int columns, Matrix *matri
     return 1;
 }
 
-enum { OUTPUTS, NORMALS = 3, CONSTANT = 6, OFFSETS, INVERSE, REFERENCE, TABLE, STARTS, ROWS, EVENTS, NUM_ARRAYS };
+enum { OUTPUTS, NORMALS = 3, CONSTANT = 6, OFFSETS, DEVIATIONS, TABLE, STARTS, ROWS, EVENTS, NUM_ARRAYS };
 
 static const char *fill(Ratings *r, const Arrays *arrays, int num_columns, int num_events, int samples) {
     if (!is_sparse(arrays, OUTPUTS, num_columns, &r->outputs, &r->num_outputs)) return "outputs are no matrix";
     if (!is_sparse(arrays, NORMALS, r->num_outputs, &r->normals, &r->num_rows)) return "rows are no matrix";
     Py_ssize_t rows = r->num_rows, alternatives = arrays->sizes[STARTS] - 1;
     if (arrays->sizes[CONSTANT] != r->num_outputs) return "a constant per output";
-    for (int i = OFFSETS; i <= REFERENCE; i++)
+    for (int i = OFFSETS; i <= DEVIATIONS; i++)
         if (arrays->sizes[i] != rows) return "a number per row";
     if (arrays->sizes[EVENTS] != rows || !are_below(AT(*arrays, EVENTS), rows, num_events)) return "no such event";
     const int *starts = AT(*arrays, STARTS), *table = AT(*arrays, TABLE);
@@ -55,8 +55,7 @@ static const char *fill(Ratings *r, const Arrays *arrays, int num_columns, int n
     for (Py_ssize_t a = 0; a < alternatives; a++) r->is_distinct &= starts[a + 1] == starts[a] + 1;
     r->constant = AT(*arrays, CONSTANT);
     r->offsets = AT(*arrays, OFFSETS);
-    r->inverse_deviations = AT(*arrays, INVERSE);
-    r->reference = AT(*arrays, REFERENCE);
+    r->deviations = AT(*arrays, DEVIATIONS);
     r->table = AT(*arrays, TABLE);
     r->row_starts = AT(*arrays, STARTS);
     r->rows = AT(*arrays, ROWS);
@@ -78,18 +77,20 @@ static void release(Ratings *r) {
 static PyObject *ratings_new(PyTypeObject *type, PyObject *args, PyObject *Py_UNUSED(named)) {
     PyObject *objects[NUM_ARRAYS], **o = objects;
     int num_columns, width, num_events, samples;
-    if (!PyArg_ParseTuple(args, "OOOOOOOOOOOOOOiiii", &o[0], &o[1], &o[2], &o[3], &o[4], &o[5], &o[6], &o[7], &o[8],
-                          &o[9], &o[10], &o[11], &o[12], &o[13], &num_columns, &width, &num_events, &samples))
+    double reference;
+    if (!PyArg_ParseTuple(args, "OOOOOOOOOOOOOiiiid", &o[0], &o[1], &o[2], &o[3], &o[4], &o[5], &o[6], &o[7], &o[8],
+                          &o[9], &o[10], &o[11], &o[12], &num_columns, &width, &num_events, &samples, &reference))
         return NULL;
     allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
     PyObject *self = allocate(type, 0);
     if (!self) return NULL;
     Arrays *arrays = &((RatingsObject *)self)->arrays;
-    if (!arrays_look(arrays, objects, "iidiidddddiiii")) {
+    if (!arrays_look(arrays, objects, "iidiiddddiiii")) {
         Py_DECREF(self);
         return NULL;
     }
     ratings_of(self)->width = width;
+    ratings_of(self)->reference = reference;
     const char *wrong = "a table of that width";
     if (width >= 0 && !(width && arrays->sizes[TABLE] % width))
         wrong = fill(ratings_of(self), arrays, num_columns, num_events, samples);

@@ -16,7 +16,7 @@ from math import isfinite
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Indices, Vector
+from radmpc.arrays import Indices, Integers, Vector
 
 __all__ = ["LpRecord"]
 
@@ -25,8 +25,6 @@ _ULP = float(np.finfo(np.float64).eps)
 
 _BEGIN = 256
 """Initial capacity of a growing array [-]; it doubles from there."""
-
-_Integers = npt.NDArray[np.signedinteger]
 
 
 class _Growing:
@@ -87,8 +85,8 @@ class LpRecord:
 
     def add_rows(
         self,
-        starts: _Integers,
-        columns: _Integers,
+        starts: Integers,
+        columns: Integers,
         values: Vector,
         lower: npt.ArrayLike,
         upper: npt.ArrayLike,
@@ -112,7 +110,7 @@ class LpRecord:
         self._columns.append(columns, values.size)
         self._values.append(values, values.size)
 
-    def add_column(self, cost: float, upper: float, rows: _Integers, values: Vector) -> None:
+    def add_column(self, cost: float, upper: float, rows: Integers, values: Vector) -> None:
         """Append a column that is at least 0.
 
         Parameters
@@ -131,7 +129,7 @@ class LpRecord:
         self._largest.append(upper, 1)
         self._cost_weight += abs(cost) * upper
 
-    def bound_rows(self, rows: _Integers, lower: Vector, upper: Vector) -> None:
+    def bound_rows(self, rows: Integers, lower: Vector, upper: Vector) -> None:
         """Change the bounds of rows.
 
         Parameters

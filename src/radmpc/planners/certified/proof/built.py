@@ -38,7 +38,8 @@ class Built:
     def fingerprint(self) -> bytes:
         """Return what programs have in common only if their alternatives are the same."""
         program, rows = self.program, self.program.rows
-        parts = program.avoidance_starts, rows.offsets, rows.deviations, rows.normals.data
+        normals = rows.normals.indices, rows.normals.data
+        parts = program.avoidance_starts, rows.offsets, rows.deviations, *normals
         return blake2b(b"".join(part.tobytes() for part in parts), digest_size=16).digest()
 
     def is_close(self, z: Vector) -> bool:
