@@ -172,8 +172,8 @@ void ratings_rate(Ratings *ratings, const double *z, Rated *into) {
     multiply(&ratings->normals, ratings->num_rows, at, slacks);
     for (int i = 0; i < ratings->num_rows; i++) {
         slacks[i] = ratings->offsets[i] - slacks[i];
-        double deviation = ratings->deviations[i];
-        into->clearances[i] = deviation > 0.0 ? slacks[i] * (1.0 / deviation) : slacks[i] >= -CONTACT ? INFINITY : -INFINITY;
+        double deviation = ratings->deviations[i], certain = slacks[i] >= -CONTACT ? INFINITY : -INFINITY;
+        into->clearances[i] = deviation > 0.0 ? slacks[i] * (1.0 / deviation) : certain;
     }
     for (int v = 0; v < ratings->num_avoidances; v++) rate_avoidance(ratings, v, into);
     add_up(ratings, into);
