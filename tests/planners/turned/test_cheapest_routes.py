@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -44,7 +45,11 @@ def efforts(hazards: Hazards, places: Mapping[int, Matrix]) -> list[float]:
 
 
 def chosen(
-    scenario: Scenario, price: float | None = None, clearance: float = CLEARANCE
+    scenario: Scenario,
+    price: float | None = None,
+    clearance: float = CLEARANCE,
+    *,
+    is_told_soon: bool = False,
 ) -> dict[int, Route]:
     """Return the routes of all vehicles that a first plan would begin with."""
     hazards = Hazards.of(scenario, condensed_models(scenario))
@@ -55,7 +60,9 @@ def chosen(
         return build_program(scenario, (hazards.models[i],), risk_bound=scenario.risk_bound)
 
     task = Task(hazards, unjudged, Limits(), 1e-3, scenario.risk_bound, program_alone=program)
-    return cheapest_routes(task, alone.paths, range(hazards.count), clearance, price)
+    everyone = range(hazards.count)
+    told = {"is_told_soon": is_told_soon}
+    return cheapest_routes(task, alone.paths, everyone, clearance, price, **told)
 
 
 def unjudged(controls: Sequence[Matrix]) -> Verdict:
@@ -79,6 +86,22 @@ def test_in_large_fleets_the_shortest_way_is_taken(monkeypatch: pytest.MonkeyPat
     routes, shortest = chosen(scenario), detours(hazards, [0, 1], CLEARANCE)
     assert routes.keys() == shortest.keys()
     assert all(np.array_equal(routes[i].corners, shortest[i]) for i in routes)
+
+
+@pytest.mark.parametrize("is_told_soon", [False, True])
+def test_where_sides_are_told_soon_no_ways_beside_others_are_compared(
+    monkeypatch: pytest.MonkeyPatch, is_told_soon: bool
+) -> None:
+    tolls: list[Toll] = []
+
+    def counted(*args: Any) -> dict[int, Matrix]:
+        tolls.extend(each for each in args if isinstance(each, Toll))
+        return detours(*args)
+
+    monkeypatch.setattr(cheapest, "detours", counted)
+    routes = chosen(clutter(2, 100, 9), is_told_soon=is_told_soon)
+    assert len(routes) == 2
+    assert any(len(toll.beside) > 0 for toll in tolls) != is_told_soon
 
 
 def test_who_would_wind_on_every_route_takes_the_path_of_least_effort() -> None:

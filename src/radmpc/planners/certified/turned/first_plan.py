@@ -89,7 +89,8 @@ def first_plan(
 
     price *= _dear(is_maze=is_maze) * alone.cost() / task.risk_bound
     is_compared = not is_needed and _is_among_many(hazards, largest)
-    routes = _routes(task, alone, stopped, clearance, price if is_compared else None)
+    sought = price if is_compared else None
+    routes = _routes(task, alone, stopped, clearance, sought, is_told_soon=is_needed)
     is_aside = is_easy and not (is_needed or is_short)
     seconds = _seconds(task, is_aside=is_aside, is_maze=is_maze)
     to_choose = None if visits is None else visits.to_choose
@@ -129,14 +130,20 @@ def _is_among_many(hazards: Hazards, largest: int) -> bool:
 
 
 def _routes(
-    task: Task, alone: Paths, stopped: np.ndarray, clearance: float, price: float | None
+    task: Task,
+    alone: Paths,
+    stopped: np.ndarray,
+    clearance: float,
+    price: float | None,
+    *,
+    is_told_soon: bool,
 ) -> dict[int, Route]:
     """Return routes around obstacles of those that these stop."""
     if not stopped.size:
         return {}
     from radmpc.planners.certified.turned.narrow.cheapest import cheapest_routes  # noqa: PLC0415 - loads graphs
 
-    return cheapest_routes(task, alone, stopped, clearance, price)
+    return cheapest_routes(task, alone, stopped, clearance, price, is_told_soon=is_told_soon)
 
 
 def _is_short(task: Task) -> bool:

@@ -281,6 +281,8 @@ class GroupLp:
             given = np.flatnonzero(~moving)
             start = paths.means[everyone[mine][given], 0]
             lower[mine[given]] -= sign * np.einsum("wd,wd->w", normals[mine][given], start)
+            if not rows.reserves.any():
+                continue  # as at steps, between which nothing counts
             pulls = np.einsum("wd,wdm->wm", normals[mine], self._sagittas[slots])
             pulls *= sign * rows.reserves[mine, None]
             axes = np.arange(pulls.shape[1])
