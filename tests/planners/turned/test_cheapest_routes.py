@@ -49,7 +49,7 @@ def chosen(
     price: float | None = None,
     clearance: float = CLEARANCE,
     *,
-    is_told_soon: bool = False,
+    is_quick: bool = False,
 ) -> dict[int, Route]:
     """Return the routes of all vehicles that a first plan would begin with."""
     hazards = Hazards.of(scenario, condensed_models(scenario))
@@ -61,7 +61,7 @@ def chosen(
 
     task = Task(hazards, unjudged, Limits(), 1e-3, scenario.risk_bound, program_alone=program)
     everyone = range(hazards.count)
-    told = {"is_told_soon": is_told_soon}
+    told = {"is_quick": is_quick}
     return cheapest_routes(task, alone.paths, everyone, clearance, price, **told)
 
 
@@ -88,9 +88,9 @@ def test_in_large_fleets_the_shortest_way_is_taken(monkeypatch: pytest.MonkeyPat
     assert all(np.array_equal(routes[i].corners, shortest[i]) for i in routes)
 
 
-@pytest.mark.parametrize("is_told_soon", [False, True])
+@pytest.mark.parametrize("is_quick", [False, True])
 def test_where_sides_are_told_soon_no_ways_beside_others_are_compared(
-    monkeypatch: pytest.MonkeyPatch, is_told_soon: bool
+    monkeypatch: pytest.MonkeyPatch, is_quick: bool
 ) -> None:
     tolls: list[Toll] = []
 
@@ -99,9 +99,9 @@ def test_where_sides_are_told_soon_no_ways_beside_others_are_compared(
         return detours(*args)
 
     monkeypatch.setattr(cheapest, "detours", counted)
-    routes = chosen(clutter(2, 100, 9), is_told_soon=is_told_soon)
+    routes = chosen(clutter(2, 100, 9), is_quick=is_quick)
     assert len(routes) == 2
-    assert any(len(toll.beside) > 0 for toll in tolls) != is_told_soon
+    assert any(len(toll.beside) > 0 for toll in tolls) != is_quick
 
 
 def test_who_would_wind_on_every_route_takes_the_path_of_least_effort() -> None:

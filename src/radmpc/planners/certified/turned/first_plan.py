@@ -90,7 +90,7 @@ def first_plan(
     price *= _dear(is_maze=is_maze) * alone.cost() / task.risk_bound
     is_compared = not is_needed and _is_among_many(hazards, largest)
     sought = price if is_compared else None
-    routes = _routes(task, alone, stopped, clearance, sought, is_told_soon=is_needed)
+    routes = _routes(task, alone, stopped, clearance, sought, is_quick=is_needed)
     is_aside = is_easy and not (is_needed or is_short)
     seconds = _seconds(task, is_aside=is_aside, is_maze=is_maze)
     to_choose = None if visits is None else visits.to_choose
@@ -136,14 +136,14 @@ def _routes(
     clearance: float,
     price: float | None,
     *,
-    is_told_soon: bool,
+    is_quick: bool,
 ) -> dict[int, Route]:
     """Return routes around obstacles of those that these stop."""
     if not stopped.size:
         return {}
     from radmpc.planners.certified.turned.narrow.cheapest import cheapest_routes  # noqa: PLC0415 - loads graphs
 
-    return cheapest_routes(task, alone, stopped, clearance, price, is_told_soon=is_told_soon)
+    return cheapest_routes(task, alone, stopped, clearance, price, is_quick=is_quick)
 
 
 def _is_short(task: Task) -> bool:

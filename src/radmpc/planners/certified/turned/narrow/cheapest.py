@@ -18,11 +18,11 @@ from radmpc.records import dataclass, field
 
 __all__ = ["cheapest_routes"]
 
-_WAYS = 4
+_MOST_ROUTES = 4
 """Routes of a vehicle on a grid that are compared at most [-]: the shortest that keeps clear of
 gaps where it can, that through gaps, and both again beside all before."""
 
-_FEW_WAYS = 2
+_FEW_ROUTES = 2
 """The same of a small fleet that few obstacles stop [-]: the relaxation tells better sides soon. Of
 `paper(8)` first plans come after 0.83 of the time, at the same cost."""
 
@@ -60,7 +60,7 @@ def cheapest_routes(
     clearance: float,
     price: float | None,
     *,
-    is_told_soon: bool = False,
+    is_quick: bool = False,
 ) -> dict[int, Route]:
     """Return routes around obstacles: the shortest, or others where these take less effort.
 
@@ -81,7 +81,7 @@ def cheapest_routes(
     price : float or None
         Cost of risk, per unit of probability; None where no path is sought on a lattice: those of
         many who get in each other's way are better told by who lets whom pass.
-    is_told_soon : bool
+    is_quick : bool
         Whether the relaxation tells better sides soon: few routes are compared then.
 
     Returns
@@ -94,8 +94,8 @@ def cheapest_routes(
     shortest = detours(hazards, stopped, clearance, grid)
     if len(shortest) > TUNING.weighed:
         return {i: Route.evenly(hazards.models[i], corners) for i, corners in shortest.items()}
-    most_ways = _FEW_WAYS if is_told_soon else _WAYS
-    comparison = _Comparison(task, alone, clearance, most_ways)
+    most_routes = _FEW_ROUTES if is_quick else _MOST_ROUTES
+    comparison = _Comparison(task, alone, clearance, most_routes)
     comparison.compare_routes(grid, shortest)
     if price is not None:
         comparison.seek(price)
@@ -118,7 +118,7 @@ class _Comparison:
         What vehicles do by themselves.
     clearance : float
         Standard deviations that they keep [-].
-    most_ways : int
+    most_routes : int
         Routes of a vehicle on a grid that are compared at most [-].
     best : dict of int to Route
         The cheapest route of each.
@@ -129,7 +129,7 @@ class _Comparison:
     task: Task
     alone: Paths
     clearance: float
-    most_ways: int
+    most_routes: int
     best: dict[int, Route] = field(default_factory=dict)
     costs: dict[int, tuple[bool, float]] = field(default_factory=dict)
     _trial: SuccessiveLp = field(init=False)
@@ -144,7 +144,7 @@ class _Comparison:
         direct = detours(hazards, list(shortest), self.clearance, grid, Toll(1.0))
         for i, first in shortest.items():
             known = [first, direct.get(i, first)]
-            for number in range(self.most_ways):
+            for number in range(self.most_routes):
                 if limits.reached:
                     return
                 if number >= len(known):
