@@ -26,7 +26,8 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal
 from radmpc.planners.certified.turned.half_spaces import half_spaces
-from radmpc.planners.certified.turned.linear.group_lp import GroupLp, GroupPlan
+from radmpc.planners.certified.turned.linear.group_lp import GroupLp
+from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import fixed_margins
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths

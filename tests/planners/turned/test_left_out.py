@@ -10,7 +10,8 @@ import pytest
 from radmpc.experiments.families import circle
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
 from radmpc.planners.certified.turned.linear import group_lp
-from radmpc.planners.certified.turned.linear.group_lp import GroupLp, GroupPlan
+from radmpc.planners.certified.turned.linear.group_lp import GroupLp
+from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import priced_margins
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths

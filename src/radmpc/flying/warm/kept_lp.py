@@ -14,7 +14,8 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
-from radmpc.planners.certified.turned.linear.group_lp import NEVER, GroupLp, GroupPlan
+from radmpc.planners.certified.turned.linear.group_lp import NEVER, GroupLp
+from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.condensed import CondensedModel

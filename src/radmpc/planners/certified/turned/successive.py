@@ -16,7 +16,8 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor
 from radmpc.gaussian import Tail
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
-from radmpc.planners.certified.turned.linear.group_lp import GroupLp, GroupPlan
+from radmpc.planners.certified.turned.linear.group_lp import GroupLp
+from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import (
     cheapest_meter,
     far_of,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
+from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.condensed import CondensedModel
@@ -21,7 +22,7 @@ from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL
 from radmpc.solvers.lp.sparse_rows import rows_of_entries
 from radmpc.solvers.solution import Limits
 
-__all__ = ["NEVER", "GroupLp", "GroupPlan"]
+__all__ = ["NEVER", "GroupLp"]
 
 _INF = float("inf")
 
@@ -38,25 +39,6 @@ NEVER = Limits()
 
 _LITTLE = 1e-9
 """Share or length below which a row is left out [-, m]."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class GroupPlan:
-    """What a group does between half-spaces.
-
-    Attributes
-    ----------
-    controls : tuple of (T, m) array
-        Of its members.
-    shortfall : float
-        How far half-spaces are missed in all [m].
-    risk : float
-        What the risks given up to sum to [-].
-    """
-
-    controls: tuple[Matrix, ...]
-    shortfall: float
-    risk: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -281,19 +263,31 @@ class GroupLp:
             given = np.flatnonzero(~moving)
             start = paths.means[everyone[mine][given], 0]
             lower[mine[given]] -= sign * np.einsum("wd,wd->w", normals[mine][given], start)
-            if not rows.reserves.any():
-                continue  # as at steps, between which nothing counts
-            pulls = np.einsum("wd,wdm->wm", normals[mine], self._sagittas[slots])
-            pulls *= sign * rows.reserves[mine, None]
-            axes = np.arange(pulls.shape[1])
-            plus = (self._controls[slots] + windows[mine] * self._widths[slots])[:, None] + axes
-            for half, turn in ((0, -1.0), (1, 1.0)):
-                where.append(np.repeat(mine, axes.size))
-                columns.append((plus + half * self._spans[slots][:, None]).ravel())
-                values.append((turn * pulls).ravel())
+            for at, column, pull in self._bends(rows, normals, windows, (sign, mine, slots)):
+                where.append(at)
+                columns.append(column)
+                values.append(pull)
         shape = (rows.count, self._lp.num_columns)
         entries = np.concatenate(where), np.concatenate(columns), np.concatenate(values)
         return rows_of_entries(*entries, shape), lower
+
+    def _bends(
+        self, rows: _Rows, normals: Matrix, windows: Indices, member: tuple[float, Indices, Indices]
+    ) -> Iterator[tuple[Indices, Indices, Vector]]:
+        """Yield rows, columns and values of what controls bend paths by where reserves are kept.
+
+        Members are given by their sign in half-spaces, the rows that they are in, and their slots.
+        """
+        sign, mine, slots = member
+        if not rows.reserves.any():
+            return
+        pulls = np.einsum("wd,wdm->wm", normals[mine], self._sagittas[slots])
+        pulls *= sign * rows.reserves[mine, None]
+        axes = np.arange(pulls.shape[1])
+        plus = (self._controls[slots] + windows[mine] * self._widths[slots])[:, None] + axes
+        for half, turn in ((0, -1.0), (1, 1.0)):
+            columns = plus + half * self._spans[slots][:, None]
+            yield np.repeat(mine, axes.size), columns.ravel(), (turn * pulls).ravel()
 
 
 def _near_first(spaces: HalfSpaces) -> npt.NDArray[np.bool_]:
