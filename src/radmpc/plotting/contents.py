@@ -11,9 +11,9 @@ from radmpc.plotting.artists.highlights import draw_worst
 from radmpc.plotting.artists.relations import draw_ranges
 from radmpc.plotting.artists.space import draw_trajectory_3d, number_steps_3d
 from radmpc.plotting.canvas.space_labels import Board, SpaceBoard, board_of, show_all
-from radmpc.plotting.canvas.style import MAX_LABELS, vehicle_colors, vehicle_dashes
+from radmpc.plotting.canvas.style import vehicle_colors, vehicle_dashes
 from radmpc.plotting.curves import ABOVE, Plane, confidence_ellipses, mean_path
-from radmpc.plotting.scenario import draw_surroundings, name_vehicles
+from radmpc.plotting.scenario import draw_surroundings, most_named, name_obstacles, name_vehicles
 
 __all__ = ["draw_contents"]
 
@@ -39,8 +39,10 @@ def draw_contents(ax: Axes, plan: Plan, plane: Plane = ABOVE) -> None:
     _draw_trajectories(ax, plan, board, colors, plane)
     strength = _SWEEP if plan.trajectories else 1.0
     draw_surroundings(ax, scenario, board, colors, strength=strength, plane=plane)
-    name_vehicles(scenario, board, colors, plane)
-    draw_ranges(ax, plan, board, plane, is_named=scenario.num_vehicles <= MAX_LABELS)
+    most = most_named(scenario, board)
+    name_vehicles(scenario, board, colors, plane, most=most)
+    name_obstacles(scenario, board, plane, most=most)
+    draw_ranges(ax, plan, board, plane, is_named=scenario.num_vehicles <= most)
     draw_ghosts(ax, plan, board, colors, plane)
     _number_steps(plan, board, colors, plane)
     draw_worst(ax, plan, plane)
@@ -68,7 +70,7 @@ def _draw_trajectories(
 
 def _number_steps(plan: Plan, board: Board, colors: dict[str, Color], plane: Plane) -> None:
     """Write step numbers on the paths, unless there are too many to read."""
-    if plan.scenario.num_vehicles > MAX_LABELS:
+    if plan.scenario.num_vehicles > most_named(plan.scenario, board):
         return
     for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False):
         color = colors[vehicle.name]

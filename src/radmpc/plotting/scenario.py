@@ -9,7 +9,7 @@ from radmpc.arrays import Matrix
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
 from radmpc.plotting.artists.flat import Color, draw_ends, draw_workspace
-from radmpc.plotting.artists.obstacles import draw_obstacle
+from radmpc.plotting.artists.obstacles import draw_obstacle, name_obstacle
 from radmpc.plotting.artists.relations import draw_ranges
 from radmpc.plotting.artists.space import (
     draw_ends_3d,
@@ -20,12 +20,23 @@ from radmpc.plotting.artists.straying import draw_spread, draw_spread_3d
 from radmpc.plotting.canvas.extent import scenario_extent
 from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
 from radmpc.plotting.canvas.space_labels import Board, SpaceBoard, board_of, show_all
-from radmpc.plotting.canvas.style import MAX_LABELS, TITLE_SIZE, vehicle_colors
+from radmpc.plotting.canvas.style import (
+    MAX_LABELS,
+    MAX_PANEL_LABELS,
+    TITLE_SIZE,
+    vehicle_colors,
+)
 from radmpc.plotting.canvas.title import draw_headline
 from radmpc.plotting.curves import ABOVE, Plane
 from radmpc.plotting.views import new_views, settle_views
 
-__all__ = ["draw_surroundings", "name_vehicles", "plot_scenario"]
+__all__ = [
+    "draw_surroundings",
+    "most_named",
+    "name_obstacles",
+    "name_vehicles",
+    "plot_scenario",
+]
 
 
 def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
@@ -68,9 +79,25 @@ def _draw(ax: Axes, scenario: Scenario, plane: Plane) -> None:
     colors = vehicle_colors([v.name for v in scenario.vehicles], [])
     board = board_of(ax)
     draw_surroundings(ax, scenario, board, colors, plane=plane)
-    draw_ranges(ax, scenario, board, plane, is_named=scenario.num_vehicles <= MAX_LABELS)
-    name_vehicles(scenario, board, colors, plane)
+    most = most_named(scenario, board)
+    draw_ranges(ax, scenario, board, plane, is_named=scenario.num_vehicles <= most)
+    name_vehicles(scenario, board, colors, plane, most=most)
+    name_obstacles(scenario, board, plane, most=most)
     show_all(ax)
+
+
+def most_named(scenario: Scenario, board: Board) -> int:
+    """Return how many vehicles, or obstacles, are named at most in one panel of a picture.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What is drawn.
+    board : LabelBoard or SpaceBoard
+        Of the panel: flat ones of a picture in space are small.
+    """
+    is_small = scenario.dimension == 3 and not isinstance(board, SpaceBoard)
+    return MAX_PANEL_LABELS if is_small else MAX_LABELS
 
 
 def draw_surroundings(
@@ -83,7 +110,7 @@ def draw_surroundings(
     strength: float = 1.0,
     plane: Plane = ABOVE,
 ) -> None:
-    """Draw everything but trajectories and the names of vehicles.
+    """Draw everything but trajectories and names; in space with those of obstacles.
 
     Moving obstacles on request, with what strength is asked for.
 
@@ -105,11 +132,11 @@ def draw_surroundings(
         The two coordinates that are drawn.
     """
     pale = {o.name: strength if o.is_moving else 1.0 for o in scenario.obstacles}
-    is_named = max(len(scenario.obstacles), scenario.num_vehicles) <= MAX_LABELS
     obstacles = [o for o in scenario.obstacles if moving or not o.is_moving]
     if isinstance(board, SpaceBoard):
         if scenario.workspace is not None:
             draw_workspace_3d(ax, scenario.workspace)
+        is_named = _are_named(scenario, MAX_LABELS)
         for obstacle in obstacles:
             draw_obstacle_3d(ax, obstacle, board, is_named=is_named, strength=pale[obstacle.name])
             draw_spread_3d(board.axes, obstacle)
@@ -124,14 +151,17 @@ def draw_surroundings(
         start, goal = vehicle.start_position[seen], vehicle.goal.center[seen]
         board.avoid(_ring(start, vehicle.radius), _ring(goal, 0.5 * vehicle.radius))
     for obstacle in obstacles:
-        draw_obstacle(
-            ax, obstacle, board, is_named=is_named, plane=plane, strength=pale[obstacle.name]
-        )
+        draw_obstacle(ax, obstacle, board, plane=plane, strength=pale[obstacle.name])
         draw_spread(ax, obstacle, plane)
 
 
 def name_vehicles(
-    scenario: Scenario, board: Board, colors: dict[str, Color], plane: Plane = ABOVE
+    scenario: Scenario,
+    board: Board,
+    colors: dict[str, Color],
+    plane: Plane = ABOVE,
+    *,
+    most: int = MAX_LABELS,
 ) -> None:
     """Write every vehicle's name beside its start, unless there are too many to read.
 
@@ -145,8 +175,10 @@ def name_vehicles(
         Color by vehicle.
     plane : (int, int)
         The two coordinates that are drawn.
+    most : int
+        How many can be read.
     """
-    if scenario.num_vehicles > MAX_LABELS:
+    if scenario.num_vehicles > most:
         return
     for vehicle in scenario.vehicles:
         color = colors[vehicle.name]
@@ -155,6 +187,35 @@ def name_vehicles(
         else:
             hull = np.full(2, vehicle.radius)
             board.beside(vehicle.name, vehicle.start_position[list(plane)], hull, color)
+
+
+def name_obstacles(
+    scenario: Scenario,
+    board: Board,
+    plane: Plane = ABOVE,
+    *,
+    moving: bool = True,
+    most: int = MAX_LABELS,
+) -> None:
+    """Write names of obstacles in a flat picture where other texts leave room, if there are few.
+
+    Parameters
+    ----------
+    scenario, board, plane, most
+        As in `name_vehicles`.
+    moving : bool
+        Whether moving ones are named.
+    """
+    if isinstance(board, SpaceBoard) or not _are_named(scenario, most):
+        return
+    for obstacle in scenario.obstacles:
+        if moving or not obstacle.is_moving:
+            name_obstacle(obstacle, board, plane)
+
+
+def _are_named(scenario: Scenario, most: int) -> bool:
+    """Whether there are few enough to read the names of obstacles."""
+    return max(len(scenario.obstacles), scenario.num_vehicles) <= most
 
 
 def _ring(center: Matrix, radius: float) -> Matrix:

@@ -26,7 +26,7 @@ from radmpc.plotting.canvas.style import (
 )
 from radmpc.plotting.curves import ABOVE, Plane
 
-__all__ = ["along_lines", "draw_obstacle", "ring_of", "seen"]
+__all__ = ["along_lines", "draw_obstacle", "name_obstacle", "ring_of", "seen"]
 
 
 def draw_obstacle(
@@ -34,14 +34,13 @@ def draw_obstacle(
     obstacle: Obstacle,
     board: LabelBoard,
     *,
-    is_named: bool = True,
     plane: Plane = ABOVE,
     strength: float = 1.0,
 ) -> None:
-    """Draw an obstacle and, unless there are too many to read, its name.
+    """Draw an obstacle without its name.
 
-    A moving one fades in from its first step to its last, with an arrow along its way, the
-    numbers of some steps, and its name where it is first. A strength below 1 makes it paler.
+    A moving one fades in from its first step to its last, with an arrow along its way and the
+    numbers of some steps. A strength below 1 makes it paler.
 
     Parameters
     ----------
@@ -51,8 +50,6 @@ def draw_obstacle(
         The obstacle to draw.
     board : LabelBoard
         Where other texts stand.
-    is_named : bool
-        Whether its name is written.
     plane : (int, int)
         The two coordinates that are drawn.
     strength : float
@@ -79,8 +76,6 @@ def draw_obstacle(
         )
         ax.add_patch(patch)
         board.avoid(along_lines(ring_of(outline)))
-    if is_named:
-        _name_obstacle(obstacle, board, plane)
     if last > 0:
         _draw_way(ax, obstacle.name, np.array([_center(outline) for outline in outlines]), board)
 
@@ -127,20 +122,26 @@ def _draw_way(ax: Axes, name: str, centers: Matrix, board: LabelBoard) -> None:
         )
 
 
-def _name_obstacle(obstacle: Obstacle, board: LabelBoard, plane: Plane) -> None:
-    """Write the name inside the first step's largest piece, upright or turned, else beside it."""
+def name_obstacle(obstacle: Obstacle, board: LabelBoard, plane: Plane = ABOVE) -> None:
+    """Write an obstacle's name in its largest piece at the first step, else beside that.
+
+    Parameters
+    ----------
+    obstacle : Obstacle
+        Whose name.
+    board : LabelBoard
+        Where other texts stand.
+    plane : (int, int)
+        The two coordinates that are drawn.
+    """
     largest = max(obstacle.steps[0], key=lambda p: (seen(p, plane).area, seen(p, plane).length))
     corners = largest.vertices[:, list(plane)]
-    width, height = np.ptp(corners, axis=0)
-    center = corners.mean(axis=0)
-    has_room = len(obstacle.steps) == 1 and len(corners) > 2
+    half_size, center = 0.5 * np.ptp(corners, axis=0), corners.mean(axis=0)
     text, gid = name_text(obstacle), f"label:{obstacle.name}"
-    if has_room and board.fits(text, width, height):
-        board.put(text, center, MUTED, gid=gid)
-    elif has_room and board.fits(text, height, width):
-        board.put(text, center, MUTED, rotation=90.0, gid=gid)
-    else:
-        board.beside(text, center, 0.5 * np.array([width, height]), MUTED, gid=gid)
+    outline = seen(largest, plane)
+    is_still = len(obstacle.steps) == 1 and isinstance(outline, shapely.Polygon)
+    if not (is_still and board.within(text, outline, MUTED, gid=gid)):
+        board.beside(text, center, half_size, MUTED, gid=gid)
 
 
 def _center(outline: shapely.Geometry) -> tuple[float, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.patheffects import withStroke
@@ -21,6 +22,10 @@ _DIRECTIONS = [
     (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0),
     (0.75, 0.75), (-0.75, 0.75), (0.75, -0.75), (-0.75, -0.75),
 ]  # fmt: skip
+_SHARES = [(x, y) for x in (0.0, -0.5, 0.5, -1.0, 1.0) for y in (0.0, -0.5, 0.5, -1.0, 1.0)]
+"""Places in a box that are tried, in shares of what is left around a text there [-]."""
+_ROUNDING = 1e-9
+"""By how much a text may reach out of what it lies in [m]."""
 
 
 @dataclass(slots=True)
@@ -61,20 +66,56 @@ class LabelBoard:
         scale = (right - left) / (max(window.width, 1.0) / pixels_per_point)
         return np.array([LETTER[0] * len(text), LETTER[1]]) * size * scale
 
-    def fits(self, text: str, width: float, height: float) -> bool:
-        """Whether a text has room in a box of this size [m].
+    def within(
+        self,
+        text: str,
+        shape: shapely.Polygon,
+        color: object,
+        *,
+        gid: str | None = None,
+    ) -> bool:
+        """Write a text in a shape, upright or turned, where it covers the least; else nothing.
+
+        On what is long but too thin for it, a text lies lengthwise.
 
         Parameters
         ----------
         text : str
-            One line.
-        width : float
-            Of the box [m].
-        height : float
-            Of the box [m].
+            What to write.
+        shape : Polygon
+            Convex [m].
+        color : color
+            Of the text.
+        gid : str or None
+            As in `beside`.
+
+        Returns
+        -------
+        bool
+            Whether it has room.
         """
-        needed = self.size(text)
-        return bool(needed[0] <= width and needed[1] <= height)
+        half_text, cloud = 0.5 * self.size(text), _cloud(self.points)
+        corners = shapely.get_coordinates(shape)[:-1]
+        center, half_size = corners.mean(axis=0), 0.5 * np.ptp(corners, axis=0)
+        found: list[tuple[float, float, Vector]] = []
+        for rotation, half in ((0.0, half_text), (90.0, half_text[::-1])):
+            slack = half_size - half
+            if slack[int(rotation > 0.0)] < 0.0:
+                continue
+            for share in _SHARES:
+                # Across what is thin it stays on the middle line.
+                place = center + np.asarray(share) * np.maximum(slack, 0.0)
+                box = np.concatenate([place - half, place + half])
+                is_in = slack.min() < 0.0 or shape.buffer(_ROUNDING).covers(shapely.box(*box))
+                if not is_in and any(share):
+                    continue
+                far = 0.1 * float(np.abs(share).sum()) + (rotation > 0.0)
+                found.append((_badness(box, cloud, self.boxes, self._frame) + far, rotation, place))
+        if not found:
+            return False
+        _, rotation, place = min(found, key=lambda one: one[0])
+        self.put(text, place, color, rotation=rotation, gid=gid)
+        return True
 
     def beside(
         self,
@@ -103,12 +144,15 @@ class LabelBoard:
         gid : str or None
             Id of the text; None for ``label:`` and the text.
         """
-        (left, right), (low, high) = self.axes.get_xlim(), self.axes.get_ylim()
-        place = best_place(
-            center, half_size, 0.5 * self.size(text, size), self.points, self.boxes,
-            np.array([left, low, right, high]),
-        )  # fmt: skip
+        half_text = 0.5 * self.size(text, size)
+        place = best_place(center, half_size, half_text, self.points, self.boxes, self._frame)
         self.put(text, place, color, size=size, gid=gid)
+
+    @property
+    def _frame(self) -> Vector:
+        """What no text should leave: x0, y0, x1, y1 [m]."""
+        (left, right), (low, high) = self.axes.get_xlim(), self.axes.get_ylim()
+        return np.array([left, low, right, high])
 
     def put(
         self,
@@ -180,7 +224,7 @@ def best_place(
     frame : (4,) array
         What it should not leave.
     """
-    cloud = np.vstack(points) if points else np.empty((0, 2))
+    cloud = _cloud(points)
     found: list[tuple[float, Vector]] = []
     for gap in (0.5, 1.5, 3.0):
         for i, direction in enumerate(_DIRECTIONS):
@@ -191,13 +235,20 @@ def best_place(
     return min(found, key=lambda one: one[0])[1]
 
 
+def _cloud(points: Sequence[Matrix]) -> Matrix:
+    """Return all points, (p, 2)."""
+    return np.vstack(points) if points else np.empty((0, 2))
+
+
 def _badness(box: Vector, points: Matrix, boxes: Sequence[Vector], frame: Vector) -> float:
     """Return how much a text in this box would cover; leaving the frame counts most."""
     inside = np.all((points >= box[:2]) & (points <= box[2:]), axis=1)
     covered = sum(_overlap(box, other) for other in boxes)
     area = float(np.prod(box[2:] - box[:2]))
     is_outside = bool(np.any(box[:2] < frame[:2]) or np.any(box[2:] > frame[2:]))
-    return float(inside.sum()) + 30.0 * covered / area + 50.0 * is_outside
+    # One text on another can be read no more; on a path it can.
+    texts = 10.0 * (covered > 0.0) + 30.0 * covered / area
+    return float(inside.sum()) + texts + 50.0 * is_outside
 
 
 def _overlap(first: Vector, second: Vector) -> float:

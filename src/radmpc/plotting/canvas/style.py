@@ -13,6 +13,7 @@ __all__ = [
     "COLUMN_WIDTH",
     "LABEL_SIZE",
     "MAX_LABELS",
+    "MAX_PANEL_LABELS",
     "MUTED",
     "NUMBER_SIZE",
     "OBSTACLE_EDGE",
@@ -64,6 +65,9 @@ STAR_SIZE = 5.5
 
 MAX_LABELS = 24
 """Vehicles, or obstacles, up to which names are written: more would cover the picture."""
+
+MAX_PANEL_LABELS = 8
+"""The same in the small panels from above and from the side of a picture in space."""
 
 # Far apart in lightness, so that they differ in gray print, too.
 _SHADES = (0.0, -0.55, 0.42, -0.28, 0.2)

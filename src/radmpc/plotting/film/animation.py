@@ -25,7 +25,7 @@ from radmpc.plotting.canvas.style import LABEL_SIZE, MUTED, vehicle_colors
 from radmpc.plotting.canvas.title import draw_title, num_title_lines
 from radmpc.plotting.film.actors import draw_actors
 from radmpc.plotting.film.gif import write_gif
-from radmpc.plotting.scenario import draw_surroundings
+from radmpc.plotting.scenario import draw_surroundings, name_obstacles
 from radmpc.records import dataclass
 
 __all__ = [
@@ -163,7 +163,9 @@ def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
         figure.set_layout_engine("none")
     scenario = plan.scenario
     colors = vehicle_colors([v.name for v in scenario.vehicles], plan.sets)
-    draw_surroundings(axes, scenario, board_of(axes), colors, moving=False)
+    board = board_of(axes)
+    draw_surroundings(axes, scenario, board, colors, moving=False)
+    name_obstacles(scenario, board, moving=False)
     actors = draw_actors(axes, plan, colors, frames_per_step)
     clock = _clock(axes)
 

@@ -28,7 +28,7 @@ from radmpc.plotting.film.films import check_film_path, write_film
 from radmpc.plotting.flight.account import draw_account
 from radmpc.plotting.flight.paths import ahead, chosen, flown
 from radmpc.plotting.flight.stage import Stage, new_stage
-from radmpc.plotting.scenario import draw_surroundings, name_vehicles
+from radmpc.plotting.scenario import draw_surroundings, name_obstacles, name_vehicles
 
 __all__ = ["make_flight_film", "save_flight_film"]
 
@@ -111,6 +111,7 @@ def _draw_surroundings(
     is_flat = scenario.dimension == 2
     draw_surroundings(stage.above, scenario, board, stage.colors, moving=not is_flat)
     name_vehicles(scenario, board, stage.colors)
+    name_obstacles(scenario, board, moving=not is_flat)
     bare = replace(plan, trajectories=())
     return draw_actors(stage.above, bare, stage.colors, 1) if is_flat else []
 

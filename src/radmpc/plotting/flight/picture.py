@@ -23,7 +23,7 @@ from radmpc.plotting.flight.account import draw_account
 from radmpc.plotting.flight.paths import flown
 from radmpc.plotting.flight.stage import MOST_PATHS, Stage, is_measured, new_stage, shown_mission
 from radmpc.plotting.save import save_axes
-from radmpc.plotting.scenario import draw_surroundings, name_vehicles
+from radmpc.plotting.scenario import draw_surroundings, name_obstacles, name_vehicles
 
 __all__ = ["plot_flight", "save_flight"]
 
@@ -70,6 +70,7 @@ def plot_flight(record: FlightRecord) -> Axes:
     board.avoid(*(mean_path(vehicle, path)[::2, :2] for vehicle, path in pairs))
     draw_surroundings(stage.above, record.plan.scenario, board, stage.colors, strength=0.4)
     name_vehicles(record.plan.scenario, board, stage.colors)
+    name_obstacles(record.plan.scenario, board)
     _draw_legend(stage, bool(others), any(m.contacts for m in record.missions))
     draw_account(stage.account, record, mission)
     return stage.above

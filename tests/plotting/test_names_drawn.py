@@ -1,0 +1,83 @@
+"""Where names stand in pictures: inside what they name, and not on each other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+
+import pytest
+import shapely
+from matplotlib.axes import Axes
+from mpl_toolkits.mplot3d import Axes3D
+
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+from radmpc.plotting import plot_plan, plot_scenario
+from radmpc.plotting.canvas.style import MAX_PANEL_LABELS
+
+from .conftest import make_plan, make_vehicle
+
+
+def boxes_of(ax: Axes) -> dict[str, shapely.Polygon]:
+    """Return where texts stand, by what they say [m]."""
+    ax.figure.canvas.draw()
+    turned = ax.transData.inverted()
+    found = {}
+    for text in ax.texts:
+        corners = turned.transform(text.get_window_extent().get_points())
+        found[text.get_text()] = shapely.box(*corners.ravel())
+    return found
+
+
+def scene(*obstacles: Obstacle) -> Scenario:
+    vehicles = (
+        make_vehicle("v", [0.0, 0.0], [20.0, 0.0]),
+        make_vehicle("w", [0.0, 9.0], [20.0, 9.0]),
+    )
+    return Scenario("names", 1.0, 4, 0.05, vehicles, obstacles=obstacles)
+
+
+def test_names_of_boxes_stand_in_them() -> None:
+    ax = plot_scenario(scene(Obstacle.box("shed", [5.0, 3.0], [12.0, 6.0])))
+    assert shapely.box(5.0, 3.0, 12.0, 6.0).covers(boxes_of(ax)["shed"])
+
+
+@pytest.mark.parametrize("is_upright", [True, False])
+def test_names_of_thin_walls_lie_along_them(is_upright: bool) -> None:
+    low, high = ([8.0, -4.0], [8.2, 8.0]) if is_upright else ([2.0, 4.0], [18.0, 4.2])
+    ax = plot_scenario(scene(Obstacle.box("quay wall", low, high)))
+    (text,) = (text for text in ax.texts if text.get_text() == "quay wall")
+    assert text.get_rotation() == (90.0 if is_upright else 0.0)
+    wall, place = shapely.box(*low, *high), shapely.Point(text.get_position())
+    assert wall.covers(place)
+
+
+def test_names_in_a_triangle_stay_in_it_and_beside_names_of_vehicles() -> None:
+    corners = [[2.0, 2.0], [18.0, 2.0], [10.0, 8.0]]
+    crowded = scene(Obstacle.polygon("island", corners))
+    inside = make_vehicle("name of a vehicle", [10.0, 1.4], [20.0, 5.0])
+    ax = plot_scenario(replace(crowded, vehicles=(*crowded.vehicles, inside)))
+    boxes = boxes_of(ax)
+    assert shapely.Polygon(corners).covers(boxes["island"])
+    assert not boxes["island"].intersects(boxes["name of a vehicle"])
+
+
+def test_no_name_stands_on_another_where_there_is_room_beside_it() -> None:
+    boxes = [Obstacle.box(f"r{k}", [3.0 * k, 3.0], [3.0 * k + 2.0, 5.0]) for k in range(1, 6)]
+    row = [make_vehicle(f"agent{k}", [3.0 * k + 1.0, 2.3], [3.0 * k + 1.0, -6.0]) for k in range(6)]
+    ax = plot_plan(make_plan(replace(scene(*boxes), vehicles=tuple(row))))
+    names = {t: box for t, box in boxes_of(ax).items() if t.startswith(("r", "agent"))}
+    assert len(names) == 11
+    assert not any(a.intersects(b) for a, b in combinations(names.values(), 2))
+
+
+def test_small_panels_of_pictures_in_space_name_a_few_alone(space_plan: Plan) -> None:
+    few = [make_vehicle(f"v{i}", [1.0 * i, 0.5, 1.0], [1.0 * i, 8.0, 1.0]) for i in range(9)]
+    for count in (MAX_PANEL_LABELS, MAX_PANEL_LABELS + 1):
+        scenario = replace(space_plan.scenario, vehicles=tuple(few[:count]), obstacles=())
+        oblique = plot_plan(make_plan(scenario))
+        panels = [ax for ax in oblique.figure.axes if not isinstance(ax, Axes3D)]
+        named = [any(t.get_text() == "v1" for t in ax.texts) for ax in panels]
+        assert any(named) == (count <= MAX_PANEL_LABELS)
+        assert any(t.get_text().strip() == "v1" for t in oblique.texts)
