@@ -115,16 +115,9 @@ def _turned_to_alone(search: BoundSearch, state: SearchState, judge: Judge | Non
     fleet, incumbent = search.fleet, state.incumbent
     if judge is None or fleet.limits.reached or not fleet.scenario.obstacles:
         return state
-    from radmpc.planners.certified.turned.large.sides import on_other_sides  # noqa: PLC0415 - few need it
-    from radmpc.planners.certified.turned.turning import turn_to  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.phases.sides_alone import turned_to_alone  # noqa: PLC0415 - few need it
 
-    other = search.relaxed_controls()
-    is_other = other and on_other_sides(
-        fleet.programs.hazards, incumbent.controls, other, TUNING.same_side
-    )
-    if not is_other:
-        return state
-    state = turn_to(fleet, state, judge, other, search.price)
+    state = turned_to_alone(fleet, state, search.relaxed_controls(), search.price, judge)
     if state.incumbent.cost < incumbent.cost:
         search.continue_from(state.incumbent, search.price)
     return state

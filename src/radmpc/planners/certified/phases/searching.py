@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -11,6 +12,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.ended import ended
 from radmpc.planners.certified.phases.time_shares import but_for_faces, limits_of_search
+from radmpc.planners.certified.phases.tuning import TUNING as TUNING_OF_PHASES
 from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.search import PriceSearch
@@ -106,8 +108,12 @@ def searched(
         # What follows builds programs of its own, and may be large.
         hand_back_freed()
     fleet = _fleet(scenario, planner.gap, run, begin, hazards, first.cost)
-    search, state = PriceSearch.of(fleet, run.judge, first.cost), SearchState.of(fleet)
-    if not fleet.programs.build_alone(run.limits):
+    is_built, state = fleet.programs.build_alone(run.limits), SearchState.of(fleet)
+    if is_built and _is_among_many(fleet) and first.controls:
+        first = _on_sides_alone(fleet, first, run)
+        fleet = replace(fleet, found=_telling(run, first.cost))
+    search = PriceSearch.of(fleet, run.judge, first.cost)
+    if not is_built:
         return _cut_off(search, state, first, run.limits)
     on_any = float(sum(fleet.base))
     proven: Proven = {}
@@ -158,6 +164,24 @@ def _is_tight(scenario: Scenario) -> bool:
     return scenario.avoidance == "steps" and is_planar and is_small
 
 
+def _is_among_many(fleet: Fleet) -> bool:
+    """Whether several vehicles go among many obstacles, few enough to look at each."""
+    scenario = fleet.scenario
+    is_many = len(scenario.obstacles) >= PROOF_TUNING.many_obstacles
+    is_many &= scenario.num_vehicles >= TUNING_OF_PHASES.least_vehicles
+    return is_many and not (_is_tight(scenario) or fleet.is_large or scenario.has_windows)
+
+
+def _on_sides_alone(fleet: Fleet, first: FleetIncumbent, run: Run) -> FleetIncumbent:
+    """Turn a first plan to sides on which vehicles are cheaper alone, and tell if that is so."""
+    from radmpc.planners.certified.phases.sides_alone import on_sides_alone  # noqa: PLC0415 - few need it
+
+    found = on_sides_alone(fleet, first, run.judge)
+    if found.cost < first.cost:
+        _tell_first(run, found)
+    return found
+
+
 def _first(
     scenario: Scenario, gap: float, run: Run, limits: Limits, hazards: Hazards, *, is_needed: bool
 ) -> FleetIncumbent:
@@ -188,7 +212,7 @@ def _fleet(
         limits,
         hazards=hazards,
         progress=lambda done, total: run.progress("sets", done, total),
-        found=lambda cost, bound: tell(run, min(first_cost, cost), bound),
+        found=_telling(run, first_cost),
         improved=run.improved,
         executor=run.executor,
     )
@@ -197,6 +221,11 @@ def _fleet(
 
         fleet = with_least_visits(fleet)
     return fleet
+
+
+def _telling(run: Run, first_cost: float) -> Callable[[float, float], None]:
+    """Return what tells of a plan of the search, or of a cheaper one that was made before it."""
+    return lambda cost, bound: tell(run, min(first_cost, cost), bound)
 
 
 def tell(run: Run, cost: float, bound: float) -> None:

@@ -42,6 +42,13 @@ class Tuning:
     face_share : float
         Share of the time limit that the search leaves to that bound, where there are obstacles and
         a first plan [-]: with 0.35 `clutter(10, 100, 1)` along intervals is 5 % dearer after 20 s.
+    least_vehicles, efforts_first, alone_share : int, int, float
+        Vehicles from which on every one is searched alone before the search [-]: of four the search
+        finds the same sides. Rounds of that, each with twice the nodes of the last, and share of
+        the time for the search that these and turning to what they find may take [-]: with 0.3 of
+        20 s half of what is gained for `clutter(10, 100)` is not.
+    cheaper : float
+        Share of its effort by which a vehicle has to be cheaper alone to be turned to that [-].
     efforts_alone : int
         Rounds of that bound of every vehicle alone, after which mixed-integer programs are tried
         [-]: of `parking` they have shown by then that they take far longer.
@@ -73,6 +80,10 @@ class Tuning:
     time_share: float = 0.5
     efforts: int = 16
     face_share: float = 0.25
+    least_vehicles: int = 6
+    efforts_first: int = 2
+    alone_share: float = 0.65
+    cheaper: float = 0.01
     efforts_alone: int = 5
     efforts_for_price: int = 2
     price_moves: int = 6
