@@ -12,7 +12,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.ended import ended
 from radmpc.planners.certified.phases.time_shares import but_for_faces, limits_of_search
-from radmpc.planners.certified.phases.tuning import TUNING as TUNING_OF_PHASES
+from radmpc.planners.certified.phases.tuning import TUNING as PHASES
 from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.search import PriceSearch
@@ -168,7 +168,7 @@ def _is_among_many(fleet: Fleet) -> bool:
     """Whether several vehicles go among many obstacles, few enough to look at each."""
     scenario = fleet.scenario
     is_many = len(scenario.obstacles) >= PROOF_TUNING.many_obstacles
-    is_many &= scenario.num_vehicles >= TUNING_OF_PHASES.least_vehicles
+    is_many &= scenario.num_vehicles >= PHASES.least_vehicles
     return is_many and not (_is_tight(scenario) or fleet.is_large or scenario.has_windows)
 
 

@@ -46,6 +46,8 @@ def on_sides_alone(fleet: Fleet, first: FleetIncumbent, judge: Judge) -> FleetIn
         if search.nodes == before or fleet.limits.reached:
             break
         state = turned_to_alone(fleet, state, search.relaxed_controls(), price, judge)
+        if state.incumbent is not search.incumbent:
+            search.continue_from(state.incumbent, price)
     return state.incumbent
 
 
@@ -72,14 +74,15 @@ def turned_to_alone(
     SearchState
         With a cheaper plan where there is one.
     """
-    # Whom others stop where it is cheaper alone may find a way once these have moved, too.
-    for least in (np.inf, 1.0 - TUNING.cheaper, 1.0 - TUNING.cheaper):
+    for least in (np.inf, *(1.0 - TUNING.cheaper,) * TUNING.turns_alone):
         incumbent = state.incumbent
         pairs = zip(incumbent.controls, alone, strict=False)
         chosen = tuple(b if np.abs(b).sum() < least * np.abs(a).sum() else a for a, b in pairs)
-        hazards, ours = fleet.programs.hazards, incumbent.controls
         if not chosen or fleet.limits.reached:
             return state
-        if on_other_sides(hazards, ours, chosen, TUNING.same_side):
+        if on_other_sides(fleet.programs.hazards, incumbent.controls, chosen, TUNING.same_side):
             state = turn_to(fleet, state, judge, chosen, price)
+        # Whom others stopped may find a way once these have moved, too, but not before.
+        if least < 1.0 and state.incumbent is incumbent:
+            return state
     return state

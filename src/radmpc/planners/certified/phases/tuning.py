@@ -47,8 +47,9 @@ class Tuning:
         finds the same sides. Rounds of that, each with twice the nodes of the last, and share of
         the time for the search that these and turning to what they find may take [-]: with 0.3 of
         20 s half of what is gained for `clutter(10, 100)` is not.
-    cheaper : float
-        Share of its effort by which a vehicle has to be cheaper alone to be turned to that [-].
+    cheaper, turns_alone : float, int
+        Share of its effort by which a vehicle has to be cheaper alone to be turned to that [-], and
+        how often such are turned to it at most, while that makes the plan cheaper [-].
     efforts_alone : int
         Rounds of that bound of every vehicle alone, after which mixed-integer programs are tried
         [-]: of `parking` they have shown by then that they take far longer.
@@ -84,6 +85,7 @@ class Tuning:
     efforts_first: int = 2
     alone_share: float = 0.65
     cheaper: float = 0.01
+    turns_alone: int = 2
     efforts_alone: int = 5
     efforts_for_price: int = 2
     price_moves: int = 6
