@@ -17,7 +17,7 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.bound.chain import chain_charges, cheapest_chain, run_scores
 from radmpc.referee.bound.halfspace import refine, shared_risks
 from radmpc.referee.bound.persistence import least_risks
-from radmpc.referee.bound.search import best_directions
+from radmpc.referee.bound.search import away, best_directions, cheapest
 from radmpc.referee.encounters import Encounters, blocks, interval_sites
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.sites import Sites
@@ -40,6 +40,14 @@ WORTH = 1e-13
 
 TELLING = 1e-8
 """Share of all encounters' sum below which one is charged as it is [-]."""
+
+_APART = 1e-24
+"""Risk across the line to the middle of a set below which no other half-space is tried in an
+interval [-]: all such of a thousand vehicles among a hundred obstacles add up to nothing."""
+
+_MANY = 100
+"""Encounters from which on that is looked for [-]: with the 28 pairs of `paper(8)` it takes 3 %
+longer, with those of `fleet(64)` a fifth less."""
 
 _SPAN = 8
 """Intervals of an encounter that are looked at are a multiple of so many [-]; horizons shorter than
@@ -96,7 +104,11 @@ def has_spans(encounters: Encounters, motion: FleetMotion) -> bool:
 
 def _charged(encounters: Encounters, motion: FleetMotion, spans: Spans) -> Vector:
     """Return what encounters cost per step, those intervals looked at that tell, (B, T+1)."""
-    own, near, far = alone_risks(encounters)
+    if len(encounters.means) < _MANY:
+        own, near, far = alone_risks(encounters)
+        is_apart = np.zeros(far.shape, dtype=bool)
+    else:
+        own, near, far, is_apart = _told_apart(encounters)
     alone = np.ones(far.shape, dtype=bool)
     charged = chain_charges(near, far, alone)
     sums = charged.sum(axis=1)
@@ -105,6 +117,7 @@ def _charged(encounters: Encounters, motion: FleetMotion, spans: Spans) -> Vecto
     for which, first, length in spans((near.sum(axis=2) + far)[worth]):
         chosen, intervals = worth[which], first[:, None] + np.arange(length)
         rows, held = np.arange(chosen.size)[:, None], own[chosen[:, None], intervals]
+        rough = is_apart[chosen[:, None], intervals]
         close = encounters.take(chosen)
         if length < far.shape[1]:
             close = close.during(first, length)
@@ -116,10 +129,44 @@ def _charged(encounters: Encounters, motion: FleetMotion, spans: Spans) -> Vecto
         large = LARGE if spans is _whole else LARGE_IN_SPANS
         for block in blocks(close):
             part = slice(at, at + len(block.means))
-            found[rows[part], steps[part]] += _chained_risks(block, motion, held[part], large)
+            turned = _turned_to_faces(block, held[part], rough[part])
+            found[rows[part], steps[part]] += _chained_risks(block, motion, turned, large)
             at = part.stop
         charged[chosen] = found
     return charged
+
+
+def _told_apart(encounters: Encounters) -> tuple[Tensor, Tensor, Matrix, Flags]:
+    """Return what `alone_risks` does, but where the line to the set tells, and where it does.
+
+    Most intervals bring nobody near: the half-space across that line risks next to nothing there.
+    """
+    parts = []
+    for block in blocks(encounters):
+        sites, shape = interval_sites(block), block.sagittas.shape[:2]
+        best, risks = cheapest(sites, away(sites))
+        close = np.flatnonzero(risks > _APART)
+        if close.size:
+            tried = block.directions[close // shape[1]]
+            best[close], _ = best_directions(sites.take(close), tried, 1)
+        near, far = _ends(sites, best)
+        ends = near.reshape(*shape, -1), far.reshape(shape)
+        parts.append((best.reshape(*shape, -1), *ends, (risks <= _APART).reshape(shape)))
+    own, near, far, is_apart = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return own, near, far, is_apart
+
+
+def _turned_to_faces(encounters: Encounters, held: Tensor, rough: Flags) -> Tensor:
+    """Return directions of intervals, the rough ones as `alone_risks` would choose them."""
+    rest = np.flatnonzero(rough)
+    if not rest.size:
+        return held
+    sites = interval_sites(encounters).take(rest)
+    faces = encounters.directions[rest // rough.shape[1]]
+    best, _ = cheapest(sites, np.concatenate([faces, away(sites)], axis=1))
+    turned = held.copy()
+    turned.reshape(-1, held.shape[2])[rest] = best
+    return turned
 
 
 def alone_risks(encounters: Encounters) -> tuple[Tensor, Tensor, Matrix]:

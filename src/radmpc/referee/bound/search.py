@@ -11,7 +11,7 @@ from radmpc.referee.bound.halfspace import refine, shared_risks, unit
 from radmpc.referee.bound.tangent import tangent_directions
 from radmpc.referee.sites import Sites, over_ends
 
-__all__ = ["NEGLIGIBLE", "best_directions", "closest_directions"]
+__all__ = ["NEGLIGIBLE", "away", "best_directions", "cheapest", "closest_directions"]
 
 NEGLIGIBLE = 1e-15
 """Risk of a half-space below which no better one is searched for [-]."""
@@ -35,16 +35,13 @@ def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix,
     repeats : int
         Sites per encounter.
     """
-    gaps = sites.means.mean(axis=1)[:, None] - _centers(sites.vertices)
-    tried = np.concatenate(
-        [np.repeat(common, repeats, axis=0), unit(gaps.mean(axis=1, keepdims=True))], axis=1
-    )
-    best, risks = _cheapest(sites, tried)
+    tried = np.concatenate([np.repeat(common, repeats, axis=0), away(sites)], axis=1)
+    best, risks = cheapest(sites, tried)
     worth = np.flatnonzero(risks > NEGLIGIBLE)
     if not worth.size:
         return best, risks
     close = sites.take(worth)
-    tangents, found = _cheapest(close, np.concatenate([best[worth, None], _tangents(close)], 1))
+    tangents, found = cheapest(close, np.concatenate([best[worth, None], _tangents(close)], 1))
     if sites.means.shape[1] > 1:
         tangents, found = _or_across(close, tangents, found)
         tangents, found = refine(close, tangents, over_ends)
@@ -73,14 +70,14 @@ def closest_directions(sites: Sites, common: Tensor, current: Matrix) -> Matrix:
     (S, d) array
         Directions.
     """
-    _, risks = _cheapest(sites, current[:, None])
+    _, risks = cheapest(sites, current[:, None])
     worth = np.flatnonzero(risks > NEGLIGIBLE)
     if not worth.size:
         return current
     close = sites.take(worth)
     tried = np.concatenate([current[worth, None], common[worth], _tangents(close)], axis=1)
     best = current.copy()
-    best[worth], _ = _or_across(close, *_cheapest(close, tried))
+    best[worth], _ = _or_across(close, *cheapest(close, tried))
     return best
 
 
@@ -100,8 +97,28 @@ def _centers(vertices: Tensor) -> Tensor:
     return np.asarray(kept / is_new.sum(axis=2)[..., None])
 
 
-def _cheapest(sites: Sites, tried: Tensor) -> tuple[Matrix, Vector]:
-    """Return the best of some directions for each site, and its risk."""
+def away(sites: Sites) -> Tensor:
+    """Return the direction away from the middle of the set at each site, (S, 1, d).
+
+    Parameters
+    ----------
+    sites : Sites
+        S sites.
+    """
+    gaps = sites.means.mean(axis=1)[:, None] - _centers(sites.vertices)
+    return unit(gaps.mean(axis=1, keepdims=True))
+
+
+def cheapest(sites: Sites, tried: Tensor) -> tuple[Matrix, Vector]:
+    """Return the best of some directions for each site, (S, d), and its risk, (S,).
+
+    Parameters
+    ----------
+    sites : Sites
+        S sites.
+    tried : (S, C, d) array
+        Directions.
+    """
     rows = np.arange(len(tried))
     found = over_ends(shared_risks(sites, tried))
     choice = found.argmin(axis=1)
@@ -128,7 +145,7 @@ def _or_across(sites: Sites, best: Matrix, risks: Vector) -> tuple[Matrix, Vecto
     if telling.size:
         close = sites.take(telling)
         tried = np.concatenate([best[telling, None], _across(close)], axis=1)
-        best[telling], risks[telling] = _cheapest(close, tried)
+        best[telling], risks[telling] = cheapest(close, tried)
     return best, risks
 
 
@@ -143,7 +160,7 @@ def _or_along_least_noise(sites: Sites, best: Matrix, risks: Vector) -> tuple[Ma
         close = sites.take(telling)
         least = np.linalg.eigh(close.covariances[:, 0])[1][:, None, :, 0]
         tried = np.concatenate([best[telling, None], least, -least], axis=1)
-        best[telling], risks[telling] = _cheapest(close, tried)
+        best[telling], risks[telling] = cheapest(close, tried)
     return best, risks
 
 
