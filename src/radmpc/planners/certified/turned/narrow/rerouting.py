@@ -88,6 +88,7 @@ class _Routes:
     def __init__(self, neighbors: Neighbors, configurations: Sequence[Configuration]) -> None:
         self._neighbors, self._starts = neighbors, configurations[0]
         self._goals = configurations[-1]
+        self._next = [(*others, node) for node, others in enumerate(neighbors)]
         self._distances = [edges_to(neighbors, goal) for goal in self._goals]
         self._routes: list[Route] = [list(route) for route in zip(*configurations, strict=True)]
         self._arrivals = [self._arrival(i, route) for i, route in enumerate(self._routes)]
@@ -187,35 +188,37 @@ class _Routes:
         free_from = last + 1
         while free_from and at[free_from - 1][goal] == _NOBODY:
             free_from -= 1
-        start, known = self._starts[i], {}
+        start, size = self._starts[i], len(self._neighbors)
+        known: dict[int, int] = {}
         # Arrival at best, moves so far, ticks to go, node, tick, and where that came from.
         heap = [(distance[start], 0, 0, start, 0, start)]
         while heap:
             _, moves, _, node, tick, before = heapq.heappop(heap)
-            if (node, tick) in known:
+            if tick * size + node in known:
                 continue
-            known[node, tick] = before
+            known[tick * size + node] = before
             if node == goal and tick >= free_from:
                 return self._back(known, node, tick)
             if tick == last:
                 continue
-            here, there = at[tick], at[tick + 1]
-            for other in (*self._neighbors[node], node):
-                if there[other] != _NOBODY or (other, tick + 1) in known:
+            here, there, soon = at[tick], at[tick + 1], tick + 1
+            comes = there[node]
+            for other in self._next[node]:
+                if there[other] != _NOBODY or soon * size + other in known:
                     continue
                 # Nobody goes where another comes from while that one goes where it was.
-                if here[other] != _NOBODY and here[other] == there[node]:
+                if comes != _NOBODY and here[other] == comes:
                     continue
                 left = distance[other]
-                if tick + 1 + left <= last:
-                    entry = tick + 1 + left, moves + (other != node), left, other, tick + 1, node
+                if soon + left <= last:
+                    entry = soon + left, moves + (other != node), left, other, soon, node
                     heapq.heappush(heap, entry)
         return None
 
-    def _back(self, known: dict[tuple[int, int], int], node: int, tick: int) -> Route:
+    def _back(self, known: dict[int, int], node: int, tick: int) -> Route:
         """Return the route that led to a node, and stays there."""
-        route = [node] * (len(self._at) - tick)
+        route, size = [node] * (len(self._at) - tick), len(self._neighbors)
         while tick:
-            node, tick = known[node, tick], tick - 1
+            node, tick = known[tick * size + node], tick - 1
             route.insert(0, node)
         return route
