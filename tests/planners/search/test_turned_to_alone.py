@@ -90,6 +90,20 @@ def test_who_is_dearer_alone_stays_where_it_is() -> None:
     assert turned.cost < 1.01 * 2.0 * float(np.abs(cheap).sum())
 
 
+def test_who_stays_where_it_is_stays_there_whatever_others_do() -> None:
+    (dear,), (cheap,) = (controls_of(planned(one_vehicle(*b))) for b in ((BOX, WALL), (BOX,)))
+    at_goal = going("v1", below=30.0)
+    at_goal = replace(at_goal, start=np.array([10.0, -30.0, 0.0, 0.0]))
+    scenario = replace(one_vehicle(BOX), vehicles=(going(), at_goal))
+    problem, judge = Fleet.of(scenario, 1e-3, Limits()), judge_of(scenario)
+    still, cost = np.zeros_like(dear), float(np.abs(dear).sum())
+    incumbent = FleetIncumbent((dear, still), cost, ((0,), (1,)), certified=0.01, turned_price=2.0)
+    state = replace(SearchState.of(problem), incumbent=incumbent)
+    turned = turned_to_alone(problem, state, (cheap, still), 2.0, judge).incumbent
+    assert turned.cost < 1.01 * float(np.abs(cheap).sum())
+    assert np.abs(turned.controls[1]).max() < 1e-6
+
+
 def test_plans_that_are_told_never_become_dearer() -> None:
     told: list[float] = []
     plan(

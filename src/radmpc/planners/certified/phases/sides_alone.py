@@ -74,15 +74,23 @@ def turned_to_alone(
     SearchState
         With a cheaper plan where there is one.
     """
-    for least in (np.inf, *(1.0 - TUNING.cheaper,) * TUNING.turns_alone):
+    if not alone:
+        return state
+    for number in range(1 + TUNING.turns_alone):
         incumbent = state.incumbent
-        pairs = zip(incumbent.controls, alone, strict=False)
-        chosen = tuple(b if np.abs(b).sum() < least * np.abs(a).sum() else a for a, b in pairs)
-        if not chosen or fleet.limits.reached:
+        chosen = _cheaper(incumbent.controls, alone) if number else alone
+        if fleet.limits.reached:
             return state
         if on_other_sides(fleet.programs.hazards, incumbent.controls, chosen, TUNING.same_side):
             state = turn_to(fleet, state, judge, chosen, price)
         # Whom others stopped may find a way once these have moved, too, but not before.
-        if least < 1.0 and state.incumbent is incumbent:
+        if number and state.incumbent is incumbent:
             return state
     return state
+
+
+def _cheaper(controls: tuple[Matrix, ...], alone: tuple[Matrix, ...]) -> tuple[Matrix, ...]:
+    """Return what those vehicles do alone that take less effort then, and all others' controls."""
+    most = 1.0 - TUNING.cheaper
+    pairs = zip(controls, alone, strict=True)
+    return tuple(b if np.abs(b).sum() < most * np.abs(a).sum() else a for a, b in pairs)
