@@ -21,6 +21,9 @@ _REACH_TOL = 1e-6
 """Violation at the best of the reachable outputs from which an alternative is impossible [m]: the
 bounds of outputs are exact only up to rounding."""
 
+_BLOCK = 50_000
+"""Rows that are looked at at a time [-]: two copies of them are made."""
+
 
 def violations_of(program: DisjunctiveProgram, margins: Vector, z: Vector) -> Vector:
     """Return by how much each alternative is violated at a point.
@@ -92,10 +95,12 @@ def possible_alternatives(program: DisjunctiveProgram, margins: Vector) -> np.nd
     """
     if program.num_alternatives == 0:
         return np.zeros(0, dtype=bool)
-    normals = program.rows.normals
-    least = (
-        normals.maximum(0.0) @ program.output_lower + normals.minimum(0.0) @ program.output_upper
-    )
+    least = np.empty(program.rows.count)
+    for begin in range(0, program.rows.count, _BLOCK):
+        normals = program.rows.normals[begin : begin + _BLOCK]
+        up, down = normals.maximum(0.0), normals.minimum(0.0)
+        block = up @ program.output_lower + down @ program.output_upper
+        least[begin : begin + _BLOCK] = block
     missed = least - program.rows.offsets + margins > _REACH_TOL
     return ~np.logical_or.reduceat(
         missed[program.alternative_rows], program.alternative_starts[:-1]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from hashlib import blake2b
 
+import numpy as np
+
 from radmpc.arrays import Vector
 from radmpc.model.scenario import Scenario
 from radmpc.program.program import DisjunctiveProgram
@@ -40,7 +42,10 @@ class Built:
         program, rows = self.program, self.program.rows
         normals = rows.normals.indices, rows.normals.data
         parts = program.avoidance_starts, rows.offsets, rows.deviations, *normals
-        return blake2b(b"".join(part.tobytes() for part in parts), digest_size=16).digest()
+        found = blake2b(digest_size=16)
+        for part in parts:
+            found.update(np.ascontiguousarray(part).data)
+        return found.digest()
 
     def is_close(self, z: Vector) -> bool:
         """Tell whether a point comes close to what was left out."""
