@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import block_diag, csr_array, vstack
+from scipy.sparse import block_diag, csr_array
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.avoidance import RowBlock
@@ -14,6 +14,7 @@ from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
 from radmpc.program.program import ChanceRows
 from radmpc.records import dataclass
+from radmpc.sparse_rows import diagonal_rows
 
 if TYPE_CHECKING:
     from radmpc.program.visits.columns import TimeColumns
@@ -23,7 +24,6 @@ __all__ = [
     "all_outputs",
     "decision_columns",
     "joined_parents",
-    "mean_positions",
     "run_starts",
     "stacked_chance_rows",
 ]
@@ -116,32 +116,13 @@ def all_outputs(models: Sequence[CondensedModel], num_columns: int) -> tuple[csr
     constant : (p + n,) array
         What is added: the drift of positions [m].
     """
-    positions, drift = mean_positions(models, num_columns)
-    # scipy's identity comes by way of diagonals, for which numpy loads its masked arrays.
-    # It takes over the numbers of rows and columns as they are: small ones, as everywhere.
-    each = np.arange(num_columns + 1, dtype=np.int32)
-    columns = csr_array((np.ones(num_columns), each[:-1], each), shape=(num_columns, num_columns))
-    return csr_array(vstack([positions, columns])), np.concatenate([drift, np.zeros(num_columns)])
-
-
-def mean_positions(models: Sequence[CondensedModel], num_columns: int) -> tuple[csr_array, Vector]:
-    """Return all mean positions over the columns, and their drift [m].
-
-    Parameters
-    ----------
-    models : sequence of CondensedModel
-        The vehicles.
-    num_columns : int
-        Columns of the program, the vehicles' controls first.
-    """
     blocks = []
     for model in models:
         prediction = model.position.reshape(-1, model.position.shape[2])
         blocks.append(np.hstack([prediction, -prediction]))
-    drift = np.concatenate([s.drift_position.ravel() for s in models])
-    rows = csr_array(block_diag(blocks))
-    shape = (rows.shape[0], num_columns)
-    return csr_array((rows.data, rows.indices, rows.indptr), shape=shape), drift
+    drift = [model.drift_position.ravel() for model in models]
+    rows = diagonal_rows(blocks, num_columns, num_units=num_columns)
+    return rows, np.concatenate([*drift, np.zeros(num_columns)])
 
 
 def _stacked_hard_rows(models: Sequence[CondensedModel]) -> tuple[csr_array, Vector, Vector]:
@@ -152,7 +133,7 @@ def _stacked_hard_rows(models: Sequence[CondensedModel]) -> tuple[csr_array, Vec
         blocks.append(np.hstack([rows, -rows]))
         lowers.append(lower)
         uppers.append(upper)
-    return csr_array(block_diag(blocks)), np.concatenate(lowers), np.concatenate(uppers)
+    return diagonal_rows(blocks), np.concatenate(lowers), np.concatenate(uppers)
 
 
 def stacked_chance_rows(

@@ -141,14 +141,13 @@ def _moving_keepout(name: str, pieces: Sequence[Polytope]) -> KeepOut:
 
 def _standing_keepout(name: str, piece: Polytope, horizon: int) -> KeepOut:
     """Return the same faces at every window."""
-    num_faces = len(piece.offsets)
-    offsets = np.tile(piece.offsets, (horizon, 1))
+    offsets = piece.offsets[None].repeat(horizon, axis=0)
     return KeepOut(
         name=name,
-        normals=np.broadcast_to(piece.normals, (horizon, *piece.normals.shape)),
+        normals=piece.normals[None].repeat(horizon, axis=0),
         near=offsets,
         far=offsets,
-        directions=np.tile(np.arange(num_faces), (horizon, 1)),
+        directions=np.arange(len(piece.offsets))[None].repeat(horizon, axis=0),
         start=piece,
         shapes=(piece,),
     )

@@ -95,12 +95,15 @@ def possible_alternatives(program: DisjunctiveProgram, margins: Vector) -> np.nd
     """
     if program.num_alternatives == 0:
         return np.zeros(0, dtype=bool)
+    normals, lower, upper = program.rows.normals, program.output_lower, program.output_upper
     least = np.empty(program.rows.count)
     for begin in range(0, program.rows.count, _BLOCK):
-        normals = program.rows.normals[begin : begin + _BLOCK]
-        up, down = normals.maximum(0.0), normals.minimum(0.0)
-        block = up @ program.output_lower + down @ program.output_upper
-        least[begin : begin + _BLOCK] = block
+        starts = normals.indptr[begin : begin + _BLOCK + 1]
+        values = normals.data[starts[0] : starts[-1]]
+        outputs = normals.indices[starts[0] : starts[-1]]
+        ends = np.where(values > 0.0, lower[outputs], upper[outputs])
+        owners = np.repeat(np.arange(starts.size - 1), np.diff(starts))
+        least[begin : begin + _BLOCK] = np.bincount(owners, values * ends, starts.size - 1)
     missed = least - program.rows.offsets + margins > _REACH_TOL
     return ~np.logical_or.reduceat(
         missed[program.alternative_rows], program.alternative_starts[:-1]

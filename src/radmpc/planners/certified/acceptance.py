@@ -134,6 +134,11 @@ class _Rescaling:
             self.low = max(self.low, self.budget)
             if verdict.certified >= TUNING.budgets.spent * risk_bound:
                 return False
+            if self.fleet.is_large and verdict.certified >= TUNING.budgets.nearly * risk_bound:
+                # Turning spends the rest sooner than more certificates would.
+                if self.candidate.is_initial:
+                    self.low = self._next_budget(verdict)
+                return False
         if is_known:
             return False
         following = self._next_budget(verdict)
@@ -238,3 +243,4 @@ class _Rescaling:
                 incumbent_parts=fleet.programs.split(sets, points),
             )
         return verdict
+

@@ -19,8 +19,8 @@ from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL
-from radmpc.solvers.lp.sparse_rows import rows_of_entries
 from radmpc.solvers.solution import Limits
+from radmpc.sparse_rows import diagonal_rows, rows_of_entries
 
 __all__ = ["NEVER", "GroupLp"]
 
@@ -104,7 +104,7 @@ class GroupLp:
         drift = model.drift_position[1:].ravel()
         hard = np.hstack([rows, -rows, np.zeros((len(rows), count))])
         motion = np.hstack([-prediction, prediction, np.eye(count)])
-        both = csr_array(np.vstack([hard, motion]))
+        both = diagonal_rows([np.vstack([hard, motion])])
         self._lp.add_rows(both, np.append(lower, drift), np.append(upper, drift), first)
         return first, first + 2 * span
 
