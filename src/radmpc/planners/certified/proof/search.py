@@ -246,9 +246,10 @@ class BoundSearch:
     def _is_futile(self, worth: float) -> bool:
         """Whether even a search to the end would not do, and leave most of the gap open."""
         found = dict(self._found())
-        still = [m for m in self.order if m not in found]
+        # What pays less than is worth a search is never searched.
+        paid = (self._paid_for_hazards(m) for m in self.order if m not in found)
         left = self._left() + hidden_value(found.items(), self._paid_for_hazards)
-        most = left + sum(min(self._paid_for_hazards(m), worth) for m in still)
+        most = left + sum(each for each in paid if each > worth)
         is_little = left <= TUNING.futile * (self.incumbent.cost - self.bound_here())
         return most < self._missing() and is_little
 
