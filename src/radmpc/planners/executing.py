@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -82,7 +82,7 @@ def run_elsewhere(
 
 def in_order(
     work: Callable[[Task, Limits], Answer],
-    tasks: Sequence[Task],
+    tasks: Iterable[Task],
     limits: Limits,
     executor: Executor,
 ) -> Generator[Answer | None, None, None]:
@@ -90,8 +90,10 @@ def in_order(
 
     Parameters
     ----------
-    work, tasks, limits, executor
+    work, limits, executor
         As in `run_elsewhere`.
+    tasks : iterable
+        The tasks, each handed out once it is made.
 
     Yields
     ------
@@ -139,7 +141,7 @@ class _Elsewhere:
         """Whether nobody is waited for any more."""
         return time.time() > self._deadline + _GRACE
 
-    def submit(self, tasks: Sequence[Any]) -> list[Future[Any] | None]:
+    def submit(self, tasks: Iterable[Any]) -> list[Future[Any] | None]:
         """Hand tasks out; None for those that nobody takes."""
         futures: list[Future[Any] | None] = []
         for task in tasks:

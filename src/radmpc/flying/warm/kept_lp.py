@@ -14,10 +14,10 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
+from radmpc.planners.certified.turned.linear.given import Places
 from radmpc.planners.certified.turned.linear.group_lp import NEVER, GroupLp
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import Margins
-from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import norm_rows
 from radmpc.program.hazards import Hazards
@@ -126,7 +126,7 @@ class KeptLp(GroupLp):
         self._lp.change_rows(numbers, np.concatenate(lower), np.concatenate(upper))
 
     def solve(
-        self, spaces: HalfSpaces, paths: Paths, margins: Margins, limits: Limits = NEVER
+        self, spaces: HalfSpaces, paths: Places, margins: Margins, limits: Limits = NEVER
     ) -> GroupPlan | None:
         """Solve as `GroupLp` does; take note of whether there was anything.
 
@@ -134,7 +134,7 @@ class KeptLp(GroupLp):
         ----------
         spaces : HalfSpaces
             Turned to the latest paths of this group.
-        paths : Paths
+        paths : Places
             Those paths, and everyone else's.
         margins : Margins
             What the half-spaces ask for.

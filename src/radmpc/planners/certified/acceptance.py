@@ -243,4 +243,3 @@ class _Rescaling:
                 incumbent_parts=fleet.programs.split(sets, points),
             )
         return verdict
-

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -23,9 +23,12 @@ from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
-__all__ = ["Order", "SetProblem", "SetState", "advance"]
+__all__ = ["Order", "SetProblem", "SetState", "advance", "build_problems"]
 
 _TUNED = TUNING.sets
+
+SetArguments = tuple[Scenario, tuple[int, ...], Mapping[int, CondensedModel], float]
+"""A set's scenario, its members, their models by their numbers, and the unit; pickles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +60,7 @@ class SetProblem:
         cls,
         scenario: Scenario,
         members: tuple[int, ...],
-        models: Sequence[CondensedModel],
+        models: Sequence[CondensedModel] | Mapping[int, CondensedModel],
         unit: float,
     ) -> SetProblem:
         """Build the program of some vehicles of a fleet.
@@ -68,8 +71,8 @@ class SetProblem:
             These vehicles alone.
         members : tuple of int
             Their numbers in the fleet, ascending.
-        models : sequence of CondensedModel
-            Those of the whole fleet.
+        models : sequence or mapping of CondensedModel
+            Those of the whole fleet, or theirs by their numbers.
         unit : float
             The fleet's unit of risk [-], see `radmpc.planners.certified.fleet`.
 
@@ -104,6 +107,19 @@ class SetProblem:
         outputs = (program.outputs @ z + program.constant)[: program.num_positions]
         shape = self.models[0].drift_position.shape
         return np.asarray(outputs.reshape(len(self.members), *shape))
+
+
+def build_problems(asked: Sequence[SetArguments], limits: Limits) -> list[SetProblem]:
+    """Build the programs of some sets in any process, those first named until a limit.
+
+    Parameters
+    ----------
+    asked : sequence of tuple
+        What `SetProblem.of` takes for each.
+    limits : Limits
+        When to stop early.
+    """
+    return [SetProblem.of(*one) for one in asked if not limits.reached]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

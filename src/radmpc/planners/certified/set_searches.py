@@ -13,6 +13,7 @@ from radmpc.planners.certified.state.bounds import reported_bound
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
+from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
@@ -28,6 +29,9 @@ _SMALL = 2
 """Vehicles of the largest sets that are handed out together [-]."""
 
 
+SetAnswer = tuple[SetState, SetProblem | None]
+"""How far the search of a set came, and its program where it was built for it."""
+
 _Parts = Mapping[int, Sequence[tuple[Members, float]]]
 """Sets with lower bounds on their values at some price, by their first vehicles."""
 
@@ -38,20 +42,36 @@ class SetSearch:
 
     Attributes
     ----------
-    problem : SetProblem
-        The set's program: to send it takes a tenth of the time of building it anew.
+    members : tuple of int
+        The vehicles.
+    problem : SetProblem or None
+        The set's program: to send it takes a tenth of the time of building it anew. None where it
+        is not built yet.
     scenario : Scenario
         These vehicles alone, with what they may meet.
+    models : mapping of int to CondensedModel
+        Theirs, by their numbers, where the program is to be built.
     state : SetState or None
         How far the search has come.
     order : Order
         What is asked.
     """
 
-    problem: SetProblem
+    members: Members
+    problem: SetProblem | None
     scenario: Scenario
+    models: Mapping[int, CondensedModel]
     state: SetState | None
     order: Order
+
+    def run(self, limits: Limits) -> SetAnswer:
+        """Search the set; return how far that came, and the program if it was built for it."""
+        made = None
+        if self.problem is None:
+            made = SetProblem.of(self.scenario, self.members, self.models, self.order.unit)
+        program = made or self.problem
+        assert program is not None  # noqa: S101 - one of them is there
+        return advance(program, self.scenario, self.state, self.order, limits), made
 
 
 def solve_sets(
@@ -96,11 +116,24 @@ def solve_sets(
     for members in sets:
         order = _order(fleet, state, members, unit_price, effort, parts, is_rough=is_rough)
         if order is not None:
-            problem, alone = fleet.programs.problem(members), fleet.programs.alone(members)
-            searches.append(SetSearch(problem, alone, state.set_states.get(members), order))
+            searches.append(_search(fleet, members, state.set_states.get(members), order))
     found = search_sets(searches, fleet.limits, fleet.executor, tell)
-    new = {search.problem.members: one for search, one in zip(searches, found, strict=True)}
+    new = {}
+    for search, (one, made) in zip(searches, found, strict=True):
+        new[search.members] = one
+        if made is not None:
+            fleet.programs.take(made)
     return replace(state, set_states={**state.set_states, **new})
+
+
+def _search(fleet: Fleet, members: Members, state: SetState | None, order: Order) -> SetSearch:
+    """Return the search of a set, its program left to be built by who searches it, if possible."""
+    programs, models = fleet.programs, {}
+    if fleet.executor is None or programs.is_costless or programs.is_built(members):
+        problem = programs.problem(members)
+    else:
+        problem, models = None, {i: programs.models[i] for i in members}
+    return SetSearch(members, problem, programs.alone(members), models, state, order)
 
 
 def _order(
@@ -183,7 +216,7 @@ def search_sets(
     limits: Limits,
     executor: Executor | None,
     progress: Callable[[int, int], None],
-) -> list[SetState]:
+) -> list[SetAnswer]:
     """Search sets that have no vehicle in common.
 
     Parameters
@@ -199,15 +232,15 @@ def search_sets(
 
     Returns
     -------
-    list of SetState
-        In the order of the searches.
+    list of (SetState, SetProblem or None)
+        In the order of the searches, with the programs that were built for them.
     """
     if executor is None or len(searches) < 2:
         return _searched_here(searches, limits, progress)
-    tasks = _shared_out([len(search.problem.members) for search in searches])
+    tasks = _shared_out([len(search.members) for search in searches])
     chunks = [tuple(searches[i] for i in numbers) for numbers in tasks]
     answers = run_elsewhere(_search_in_turn, chunks, limits, executor, progress)
-    states: dict[int, SetState] = {}
+    states: dict[int, SetAnswer] = {}
     for numbers, chunk, answer in zip(tasks, chunks, answers, strict=True):
         found = _searched_here(chunk, limits, progress) if answer is None else answer
         states |= zip(numbers, found, strict=True)
@@ -228,15 +261,15 @@ def _shared_out(sizes: Sequence[int]) -> list[list[int]]:
 
 def _searched_here(
     searches: Sequence[SetSearch], limits: Limits, progress: Callable[[int, int], None]
-) -> list[SetState]:
+) -> list[SetAnswer]:
     """Search sets in this process."""
-    found: list[SetState] = []
+    found: list[SetAnswer] = []
     for search in searches:
-        found.append(advance(search.problem, search.scenario, search.state, search.order, limits))
+        found.append(search.run(limits))
         progress(len(found), len(searches))
     return found
 
 
-def _search_in_turn(searches: Sequence[SetSearch], limits: Limits) -> list[SetState]:
+def _search_in_turn(searches: Sequence[SetSearch], limits: Limits) -> list[SetAnswer]:
     """Search sets in a worker."""
     return _searched_here(searches, limits, lambda done, total: None)

@@ -266,7 +266,9 @@ class BoundSearch:
         if executor is None or len(chosen) < 2:
             yield from zip(chosen, map(self._answer_here, chosen, orders), strict=True)
             return
-        tasks = [self._task(m, asked).to_be_sent() for m, asked in zip(chosen, orders, strict=True)]
+        pairs = zip(chosen, orders, strict=True)
+        # Made one by one: workers begin with the first.
+        tasks = (self._task(m, asked).to_be_sent() for m, asked in pairs)
         elsewhere = in_order(search_part_elsewhere, tasks, self.fleet.limits, executor)
         with closing(elsewhere) as answers:
             for members, asked, answer in zip(chosen, orders, answers, strict=True):

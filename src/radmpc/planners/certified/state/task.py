@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.verdict import Judge
@@ -34,6 +35,8 @@ class Task:
         Given every better plan.
     program_alone : callable or None
         Returns the program of a vehicle alone, by its number; None where no path alone is sought.
+    executor : Executor or None
+        Where linear programs of a large fleet are solved; None is here.
     """
 
     hazards: Hazards
@@ -43,3 +46,4 @@ class Task:
     risk_bound: float
     found: Callable[[FleetIncumbent], None] = lambda incumbent: None
     program_alone: Callable[[int], DisjunctiveProgram] | None = None
+    executor: Executor | None = None

@@ -79,6 +79,23 @@ class Paths:
         self.means[vehicle] = positions
         self.sagittas[vehicle] = 0.0
 
+    def lead(self, paths: Paths, before: SavedPaths, vehicles: Sequence[int]) -> None:
+        """Be where vehicles would be after a share of their last move again.
+
+        Parameters
+        ----------
+        paths : Paths
+            The latest.
+        before : tuple
+            Those before, as `state` returned them.
+        vehicles : sequence of int
+            Who moved.
+        """
+        i, share = list(vehicles), TUNING.ahead
+        _, means, sagittas = before
+        self.means[i] = paths.means[i] + share * (paths.means[i] - means[i])
+        self.sagittas[i] = paths.sagittas[i] + share * (paths.sagittas[i] - sagittas[i])
+
     def near_pairs(self, clearance: float, reach: float) -> tuple[Indices, Indices]:
         """Return the vehicles that may be near each other in any window, lower number first.
 

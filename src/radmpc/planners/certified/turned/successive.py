@@ -25,7 +25,7 @@ from radmpc.planners.certified.turned.linear.margins import (
     priced_margins,
 )
 from radmpc.planners.certified.turned.linear.warm_programs import Group, WarmPrograms
-from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.near import Near, may_have_left
 from radmpc.planners.certified.turned.neighbors import reached_by
 from radmpc.planners.certified.turned.paths import Paths, SavedPaths
 from radmpc.planners.certified.turned.tuning import TUNING
@@ -39,9 +39,6 @@ _MISSED = 1e-7
 
 _STAYED = 1e-9
 """What a path moves by at most, and misses at most, where planning it again changed nothing [m]."""
-
-_SURELY = 0.99
-"""Share of a reach that paths may move by without another look [-]: rounding."""
 
 
 class SuccessiveLp:
@@ -62,6 +59,10 @@ class SuccessiveLp:
         Everyone's latest paths.
     missed : (N,) array
         How far half-spaces were missed when each vehicle was planned last; inf before [m].
+    ahead : Paths
+        Where these are expected to move: half-spaces are turned to that at a price of risk.
+    meter : float
+        What a meter at the goal costs the vehicle that moves with least effort.
     work : float
         What sharing risk took, see `ExchangeLp` [-].
     """
@@ -77,16 +78,16 @@ class SuccessiveLp:
         self.paths = Paths(hazards)
         self.missed = np.full(hazards.count, np.inf)
         self.work = 0.0
-        self._ahead = Paths(hazards)
+        self.ahead = Paths(hazards)
         self._programs = WarmPrograms(hazards, programs)
-        self._meter = cheapest_meter(hazards)
+        self.meter = cheapest_meter(hazards)
         self._has_visits = any(model.vehicle.via for model in hazards.models)
 
     def begin(self, controls: Sequence[Matrix]) -> None:
         """Begin with given controls of every vehicle, (T, m) each."""
         for i, each in enumerate(controls):
             self.paths.fly(i, each)
-        self._ahead.restore(self.paths.state())
+        self.ahead.restore(self.paths.state())
 
     def refer(self, vehicle: int, positions: Matrix) -> None:
         """Turn half-spaces of a vehicle to a path next that no controls need follow.
@@ -99,7 +100,7 @@ class SuccessiveLp:
             Positions at the steps [m].
         """
         self.paths.refer(vehicle, positions)
-        self._ahead.refer(vehicle, positions)
+        self.ahead.refer(vehicle, positions)
 
     def begin_alone(self) -> bool:
         """Begin with what every vehicle does alone; tell whether all reach goals, and in time."""
@@ -110,13 +111,13 @@ class SuccessiveLp:
             if alone is None:
                 return False
             self.paths.fly(i, alone[0])
-            self._ahead.fly(i, alone[0])
+            self.ahead.fly(i, alone[0])
         return True
 
     def restore(self, state: SavedPaths) -> None:
         """Come back to paths that `state` returned, and turn half-spaces to them next."""
         self.paths.restore(state)
-        self._ahead.restore(state)
+        self.ahead.restore(state)
 
     def keep_apart(
         self,
@@ -195,7 +196,7 @@ class SuccessiveLp:
         reach = max(reach, float(self.hazards.reaches[i]))
         near = Near(clearance, reach, is_refined=False, is_start_given=self._has_visits)
         spaces = half_spaces(self.hazards, self.paths, (i,), near)
-        margins = fixed_margins(spaces.deviations, clearance, penalty * self._meter)
+        margins = fixed_margins(spaces.deviations, clearance, penalty * self.meter)
         plan = self._programs.of((i,)).solve(spaces, self.paths, margins)
         if plan is not None:
             self.paths.fly(i, plan.controls[0])
@@ -220,11 +221,11 @@ class SuccessiveLp:
         far = far_of(self.hazards.tail, TUNING.compared)
         for _ in range(TUNING.looks):
             near = Near(far, reach, is_refined=True)
-            spaces = half_spaces(self.hazards, self.paths, group, near, self._ahead)
+            spaces = half_spaces(self.hazards, self.paths, group, near, self.ahead)
             margins = priced_margins(
                 spaces.deviations,
                 spaces.clearances,
-                (price, TUNING.last_penalty * self._meter),
+                (price, TUNING.last_penalty * self.meter),
                 spacing,
                 self.hazards.tail,
             )
@@ -247,11 +248,7 @@ class SuccessiveLp:
         if plan is None:
             self.paths.restore(before)
             return _risk(half_spaces(self.hazards, self.paths, group, near), self.hazards.tail)
-        for i in group:
-            self._ahead.means[i] = self.paths.means[i]
-            self._ahead.means[i] += TUNING.ahead * (self.paths.means[i] - before[1][i])
-            self._ahead.sagittas[i] = self.paths.sagittas[i]
-            self._ahead.sagittas[i] += TUNING.ahead * (self.paths.sagittas[i] - before[2][i])
+        self.ahead.lead(self.paths, before, group)
         return plan.risk
 
     def _fly(self, group: Group, plan: GroupPlan) -> None:
@@ -275,8 +272,7 @@ class SuccessiveLp:
         """
         members = list(group)
         furthest = float(np.abs(self.paths.means[members] - before[members]).max(initial=0.0))
-        # Two that move come closer by as much as both do, whatever they are to each other.
-        if 2.0 * np.sqrt(before.shape[2]) * furthest < _SURELY * reach:
+        if not may_have_left(furthest, self.hazards.dimension, reach):
             return False
         far = far_of(self.hazards.tail, TUNING.compared)
         near = Near(far, 0.0, is_refined=False)

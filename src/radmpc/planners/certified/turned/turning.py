@@ -16,6 +16,7 @@ from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.large.groups import groups_of
 from radmpc.planners.certified.turned.large.idle import not_idle
+from radmpc.planners.certified.turned.large.side_by_side import share_risk_side_by_side
 from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.successive import SuccessiveLp
@@ -144,7 +145,8 @@ def _task(fleet: Fleet, judge: Judge, controls: Sequence[Matrix]) -> Task:
     """Return what turning is asked of a fleet, visits at the steps of given controls."""
     hazards, bound = fleet.programs.hazards.visiting(controls), fleet.scenario.risk_bound
     found = lambda one: fleet.improved(one.controls)  # noqa: E731 - said at once
-    return Task(hazards, judge, fleet.limits, fleet.gap, bound, found)
+    executor = fleet.executor
+    return Task(hazards, judge, fleet.limits, fleet.gap, bound, found, executor=executor)
 
 
 @dataclass(slots=True, eq=False)
@@ -263,12 +265,25 @@ class Turning:
 
     def _turn(self, spacing: float) -> None:
         """Plan every group once."""
+        if self._is_apart:
+            costs = self.price, spacing
+            self.risk = share_risk_side_by_side(
+                self.successive, self.groups, *costs, self.task.executor
+            )
+            self.num_solves += len(self.groups)
+            return
         self.risk = 0.0
         for group in self.groups:
             if self.task.limits.reached:
                 return
             self.risk += self.successive.share_risk(group, self.price, spacing)
             self.num_solves += 1
+
+    @property
+    def _is_apart(self) -> bool:
+        """Whether there are several groups, none of which shares a set with another."""
+        largest = max(map(len, self.sets), default=0)
+        return len(self.groups) > 1 and largest <= TUNING.most_together
 
     def _take(self) -> float:
         """Keep the latest paths if they are certified and the cheapest; return the certificate."""

@@ -10,12 +10,11 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
+from radmpc.planners.certified.turned.linear.given import Layout, Places
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import Margins
-from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
-from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL
@@ -63,7 +62,7 @@ class GroupLp:
 
     Parameters
     ----------
-    hazards : Hazards
+    hazards : Layout
         The fleet.
     members : sequence of int
         The vehicles planned, ascending.
@@ -72,7 +71,7 @@ class GroupLp:
     _num_ends = 2
     """Ends of windows with columns for what is missed there."""
 
-    def __init__(self, hazards: Hazards, members: Sequence[int]) -> None:
+    def __init__(self, hazards: Layout, members: Sequence[int]) -> None:
         self._hazards = hazards
         self.members = tuple(members)
         self._models = [hazards.models[i] for i in members]
@@ -120,7 +119,7 @@ class GroupLp:
         return None if values is None else self._controls_of(values)
 
     def solve(
-        self, spaces: HalfSpaces, paths: Paths, margins: Margins, limits: Limits = NEVER
+        self, spaces: HalfSpaces, paths: Places, margins: Margins, limits: Limits = NEVER
     ) -> GroupPlan | None:
         """Minimize effort between half-spaces, and what keeping less room than asked for costs.
 
@@ -128,7 +127,7 @@ class GroupLp:
         ----------
         spaces : HalfSpaces
             Turned to the latest paths of this group.
-        paths : Paths
+        paths : Places
             Those paths, and everyone else's.
         margins : Margins
             What the half-spaces ask for.
@@ -161,7 +160,7 @@ class GroupLp:
         missed, risk = np.sum(given_up, axis=0).tolist()
         return GroupPlan(self._controls_of(values), missed, risk)
 
-    def _add(self, spaces: HalfSpaces, paths: Paths, margins: Margins) -> tuple[int, Margins]:
+    def _add(self, spaces: HalfSpaces, paths: Places, margins: Margins) -> tuple[int, Margins]:
         """Add half-spaces to the program, with what may be given up of them; return its column."""
         lengths = np.full((spaces.count, 2, margins.num_columns), _INF)
         lengths[:, :, :-1] = margins.lengths
@@ -175,7 +174,7 @@ class GroupLp:
         return first, margins
 
     def _missed(
-        self, spaces: HalfSpaces, paths: Paths, margins: Margins, values: Vector
+        self, spaces: HalfSpaces, paths: Places, margins: Margins, values: Vector
     ) -> npt.NDArray[np.bool_]:
         """Return which half-spaces a solution leaves less room than they ask for, (w,) array."""
         if spaces.count <= _FEW:
@@ -195,7 +194,7 @@ class GroupLp:
             found.append((plus - minus).reshape(model.control_bounds.shape))
         return tuple(found)
 
-    def _rows(self, spaces: HalfSpaces, paths: Paths) -> _Rows:
+    def _rows(self, spaces: HalfSpaces, paths: Places) -> _Rows:
         """Choose the rows: at each end the chord, and where the curve comes closer, its reserve.
 
         With s the sagitta toward the half-space and θ its share, the curve keeps what the chord's
@@ -216,7 +215,7 @@ class GroupLp:
             reserves += [np.zeros(plain.size), 4.0 * np.square(kept[bent])]
         return _Rows(np.concatenate(spaces_of), np.concatenate(ends), np.concatenate(reserves))
 
-    def _can_bend(self, spaces: HalfSpaces, paths: Paths) -> np.ndarray:
+    def _can_bend(self, spaces: HalfSpaces, paths: Places) -> np.ndarray:
         """Return whether any controls of the members bring the curve closer than its chord."""
         most = np.zeros(spaces.count)
         for sign, vehicles in ((1.0, spaces.first), (-1.0, spaces.second)):
@@ -232,7 +231,7 @@ class GroupLp:
         return np.asarray(most > _LITTLE)
 
     def _entries(
-        self, spaces: HalfSpaces, paths: Paths, rights: Matrix, laid_out: tuple[_Rows, int]
+        self, spaces: HalfSpaces, paths: Places, rights: Matrix, laid_out: tuple[_Rows, int]
     ) -> tuple[csr_array, Vector]:
         """Return rows over all columns, and their lower bounds."""
         rows, first = laid_out

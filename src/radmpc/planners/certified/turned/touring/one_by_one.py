@@ -133,7 +133,7 @@ class OneByOne(SuccessiveLp):
         float
             How far half-spaces are missed [m]; inf where it does not reach its goal at all.
         """
-        rounds, penalty = tries[0], tries[1] * self._meter
+        rounds, penalty = tries[0], tries[1] * self.meter
         most, is_flown = float(self.hazards.reaches[vehicle]), self._is_flown(vehicle)
         reach, least = most * (_REACH if is_flown else 1.0), np.inf
         self.missed[vehicle] = np.inf
@@ -158,7 +158,7 @@ class OneByOne(SuccessiveLp):
                 break
             least = missed
             reach = float(np.clip(_FURTHER * moved, _LEAST_REACH * most, most))
-            penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty * self._meter)
+            penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty * self.meter)
         return float(self.missed[vehicle])
 
     def _turned_to(
@@ -265,7 +265,7 @@ class OneByOne(SuccessiveLp):
         clearance, tries
             As in `keep_clear`.
         """
-        rounds, penalty = tries[0], tries[1] * self._meter
+        rounds, penalty = tries[0], tries[1] * self.meter
         reach = _REACH * float(self.hazards.reaches[list(group)].max())
         program = self._tour(group)
         for _ in range(rounds):
