@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from radmpc.experiments.families import fleet
+from radmpc.planners.certified.acceptance import accept_round
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import price_alone
 from radmpc.planners.certified.rounds import run_round
 from radmpc.planners.certified.set_searches import solve_sets
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
+from radmpc.planners.verdict import Verdict
+from radmpc.planning import plan
 from radmpc.solvers.solution import Limits, never
 
 GAP = 1e-3
@@ -86,3 +89,56 @@ def test_other_processes_search_a_large_fleet_to_the_same_end(large, rounds):
     assert there.sets == here.sets
     for one, other in zip(there.plans, here.plans, strict=True):
         np.testing.assert_array_equal(one.z, other.z)
+
+
+@pytest.mark.nightly
+def test_other_processes_plan_a_large_fleet_alike():
+    here = plan(fleet(64, 0), rng=0)
+    with ProcessPoolExecutor(2) as pool:
+        there = plan(fleet(64, 0), rng=0, executor=pool)
+
+    assert (there.cost, there.certified_lower_bound) == (here.cost, here.certified_lower_bound)
+    for one, other in zip(there.require().trajectories, here.require().trajectories, strict=True):
+        np.testing.assert_array_equal(one.controls, other.controls)
+
+
+@pytest.mark.parametrize(
+    ("count", "certificate", "calls"), [(49, 0.65, 1), (49, 0.4, 2), (24, 0.65, 2)]
+)
+def test_budgets_of_a_large_fleet_end_with_one_of_which_most_is_used(count, certificate, calls):
+    problem = Fleet.of(fleet(count, 1), GAP, Limits(float("inf"), never))
+    state, found = run_round(problem, price_alone(problem, SearchState.of(problem)))
+    asked = []
+
+    def judge(controls):
+        """Find a little more every time, so that no budget leads to the plan of another."""
+        asked.append(controls)
+        return Verdict(problem.scenario.risk_bound * (certificate + 1e-4 * len(asked)), ())
+
+    candidate = replace(found, is_initial=True)
+    accepted = accept_round(problem, state, candidate, judge)
+    assert min(len(asked), 2) == calls
+    assert accepted.state.has_plan
+    if calls == 1:
+        # The next budget follows in proportion.
+        assert accepted.state.budget > 1.2 * state.budget
+        # After the first plan the budget is one that was tried.
+        later = accept_round(problem, state, replace(found, is_initial=False), judge)
+        assert later.state.budget == pytest.approx(state.budget)
+
+
+def test_programs_that_workers_build_are_those_built_here():
+    scenario, limits = fleet(49, 0), Limits(float("inf"), never)
+    here, there, cut_off = (Fleet.of(scenario, GAP, limits).programs for _ in range(3))
+    with ThreadPoolExecutor(2) as pool:
+        assert here.build_alone(limits)
+        assert there.build_alone(limits, pool)
+        assert not cut_off.build_alone(Limits(deadline=0.0), pool)
+    assert there.least_costs() == here.least_costs()
+    for i in range(49):
+        ours, theirs = there.problem((i,)), here.problem((i,))
+        assert ours.members == theirs.members
+        for name in ("offsets", "deviations", "events"):
+            np.testing.assert_array_equal(
+                getattr(ours.program.rows, name), getattr(theirs.program.rows, name)
+            )

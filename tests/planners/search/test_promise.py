@@ -52,3 +52,19 @@ def test_a_large_fleets_proof_is_left_where_nodes_do_too_little(
     result = plan(fleet(64, 0), time_limit=120.0)
     assert result.certified_lower_bound is not None
     assert result.certified_lower_bound <= result.cost
+
+
+@pytest.mark.parametrize(("unsearched", "is_futile"), [(0.5, True), (4.0, False)])
+def test_what_is_not_worth_a_search_promises_nothing(unsearched: float, *, is_futile: bool) -> None:
+    """Of 10 open, 6 have to be closed; searched parts leave 3, one was not searched."""
+    whole = SimpleNamespace(is_complete=True)
+    search = SimpleNamespace(
+        order=((0,), (1,)),
+        incumbent=SimpleNamespace(cost=100.0),
+        bound_here=lambda: 90.0,
+        _found=lambda: [((0,), whole)],
+        _paid_for_hazards=lambda members: unsearched,
+        _left=lambda: 3.0,
+        _missing=lambda: 6.0,
+    )
+    assert BoundSearch._is_futile(search, worth=1.0) is is_futile

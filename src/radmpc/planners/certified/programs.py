@@ -13,6 +13,7 @@ from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import SetProblem, build_problems
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
 from radmpc.program.build import controls_of
 from radmpc.program.hazards import Hazards
@@ -114,9 +115,10 @@ class SetPrograms:
         limits : Limits
             When to stop.
         executor : Executor or None
-            Where they are built; None is here.
+            Where those of a large fleet are built; None is here.
         """
-        if executor is not None and not self.is_costless:
+        is_large = self.scenario.num_vehicles > TUNING.sets.many
+        if executor is not None and is_large and not self.is_costless:
             self._build_elsewhere(limits, executor)
         for i in range(self.scenario.num_vehicles):
             if limits.reached:

@@ -66,12 +66,10 @@ class SetSearch:
 
     def run(self, limits: Limits) -> SetAnswer:
         """Search the set; return how far that came, and the program if it was built for it."""
-        made = None
-        if self.problem is None:
-            made = SetProblem.of(self.scenario, self.members, self.models, self.order.unit)
-        program = made or self.problem
-        assert program is not None  # noqa: S101 - one of them is there
-        return advance(program, self.scenario, self.state, self.order, limits), made
+        if self.problem is not None:
+            return advance(self.problem, self.scenario, self.state, self.order, limits), None
+        made = SetProblem.of(self.scenario, self.members, self.models, self.order.unit)
+        return advance(made, self.scenario, self.state, self.order, limits), made
 
 
 def solve_sets(

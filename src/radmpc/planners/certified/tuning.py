@@ -22,15 +22,14 @@ class BudgetTuning:
     fill : float
         Share of the unit up to which the budget may grow [-].
     least_share : float
-        Least budget as a share of Δ [-]: starts may risk less by the referee than by union bounds.
+        Least budget as a share of Δ [-]: starts may risk less than their union bounds.
     risk_to_cost : float
-        Value of the whole risk budget as a share of what plans cost without hazards [-]: the first
-        guess of the price.
+        First guess of what the whole budget is worth, as a share of costs without hazards [-].
     spent : float
         Share of Δ from which on the certificate counts as having used it up [-].
     nearly : float
-        The same in a large fleet [-], whose plans by faces only tell where turning begins: the next
-        budget takes 0.2 to 1 s of `fleet(1000)`; turned plans are as cheap, to 0.02 % either way.
+        The same in a large fleet [-]: a budget more takes up to a second of `fleet(1000)`, and
+        turned plans are as cheap, to 0.02 % either way.
     """
 
     slack: Mapping[str, tuple[float, ...]] = field(
@@ -66,9 +65,8 @@ class SetTuning:
     patience : int
         Nodes per vehicle without any plan before heuristics look for one [-].
     rescue_nodes : int
-        Nodes per vehicle that these get [-]: a few more than those after which `branch` turns to
-        heuristics. Any plan will do, and half-spaces turned to it are better than the best by
-        faces.
+        Nodes per vehicle that these get [-], a few more than those after which `branch` turns to
+        heuristics: any plan will do, for half-spaces turned to it are better than faces.
     merging_rounds : int
         Rounds of merging sets and planning them anew, at most [-]: what is then left between sets
         is charged to the budget.
@@ -113,8 +111,7 @@ class PriceTuning:
     little : float
         Share of the unit below which a vehicle's plan is not replanned at a new price [-].
     dearest_step : float
-        Multiple of the first price that no price exceeds [-]: effort counts for nothing beside
-        risk.
+        Multiple of the first price that no price exceeds [-]: nothing but risk counts there.
     steepness : float
         Power of the ratio of risk to budget that the price follows [-]: risk falls a little less
         than in proportion.
@@ -186,8 +183,7 @@ class AcceptanceTuning:
     same_budget : float
         Relative difference below which two budgets are one [-].
     hidden : float
-        Multiple of the risk estimated between sets up to which the referee's counts as explained
-        [-].
+        Multiple of the risk estimated between sets that explains what the referee finds [-].
     take_backs : int
         Times that sets moved into each other's way get their plans of the round back, at most [-].
     dearer : tuple of float

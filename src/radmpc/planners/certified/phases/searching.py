@@ -108,9 +108,7 @@ def searched(
         # What follows builds programs of its own, and may be large.
         hand_back_freed()
     fleet = _fleet(scenario, planner.gap, run, begin, hazards, first.cost)
-    executor = run.executor if fleet.is_large else None
-    is_built = fleet.programs.build_alone(run.limits, executor)
-    state = SearchState.of(fleet)
+    is_built, state = fleet.programs.build_alone(run.limits, run.executor), SearchState.of(fleet)
     if is_built and _is_among_many(fleet) and first.controls:
         first = _on_sides_alone(fleet, first, run)
         fleet = replace(fleet, found=_telling(run, first.cost))

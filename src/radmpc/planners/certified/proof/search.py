@@ -246,9 +246,9 @@ class BoundSearch:
     def _is_futile(self, worth: float) -> bool:
         """Whether even a search to the end would not do, and leave most of the gap open."""
         found = dict(self._found())
-        # What pays less than is worth a search is never searched.
         paid = (self._paid_for_hazards(m) for m in self.order if m not in found)
         left = self._left() + hidden_value(found.items(), self._paid_for_hazards)
+        # What pays less than is worth a search is never searched.
         most = left + sum(each for each in paid if each > worth)
         is_little = left <= TUNING.futile * (self.incumbent.cost - self.bound_here())
         return most < self._missing() and is_little
@@ -262,15 +262,12 @@ class BoundSearch:
         # Of what is known now, so that workers and this process are asked the same.
         missing = self._missing()
         orders = [replace(order, enough=self._bound_of(m) + missing) for m in chosen]
-        executor = self.fleet.executor
+        limits, executor = self.fleet.limits, self.fleet.executor
         if executor is None or len(chosen) < 2:
             yield from zip(chosen, map(self._answer_here, chosen, orders), strict=True)
             return
-        pairs = zip(chosen, orders, strict=True)
-        # Made one by one: workers begin with the first.
-        tasks = (self._task(m, asked).to_be_sent() for m, asked in pairs)
-        elsewhere = in_order(search_part_elsewhere, tasks, self.fleet.limits, executor)
-        with closing(elsewhere) as answers:
+        tasks = (self._task(*each).to_be_sent() for each in zip(chosen, orders, strict=True))
+        with closing(in_order(search_part_elsewhere, tasks, limits, executor)) as answers:
             for members, asked, answer in zip(chosen, orders, answers, strict=True):
                 if answer is None or answer.nodes >= self._nodes_left:
                     answer = self._answer_here(members, asked)  # noqa: PLW2901 - what counts

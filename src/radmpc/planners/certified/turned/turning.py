@@ -144,9 +144,8 @@ def plan_by_turning(
 def _task(fleet: Fleet, judge: Judge, controls: Sequence[Matrix]) -> Task:
     """Return what turning is asked of a fleet, visits at the steps of given controls."""
     hazards, bound = fleet.programs.hazards.visiting(controls), fleet.scenario.risk_bound
-    found = lambda one: fleet.improved(one.controls)  # noqa: E731 - said at once
-    executor = fleet.executor
-    return Task(hazards, judge, fleet.limits, fleet.gap, bound, found, executor=executor)
+    say = lambda one: fleet.improved(one.controls)  # noqa: E731 - said at once
+    return Task(hazards, judge, fleet.limits, fleet.gap, bound, say, executor=fleet.executor)
 
 
 @dataclass(slots=True, eq=False)
@@ -265,25 +264,18 @@ class Turning:
 
     def _turn(self, spacing: float) -> None:
         """Plan every group once."""
-        if self._is_apart:
-            costs = self.price, spacing
-            self.risk = share_risk_side_by_side(
-                self.successive, self.groups, *costs, self.task.executor
-            )
+        successive, costs, executor = self.successive, (self.price, spacing), self.task.executor
+        if len(self.groups) > 1 and max(map(len, self.sets)) <= TUNING.most_together:
+            # None shares a set with another.
+            self.risk = share_risk_side_by_side(successive, self.groups, costs, executor)
             self.num_solves += len(self.groups)
             return
         self.risk = 0.0
         for group in self.groups:
             if self.task.limits.reached:
                 return
-            self.risk += self.successive.share_risk(group, self.price, spacing)
+            self.risk += successive.share_risk(group, *costs)
             self.num_solves += 1
-
-    @property
-    def _is_apart(self) -> bool:
-        """Whether there are several groups, none of which shares a set with another."""
-        largest = max(map(len, self.sets), default=0)
-        return len(self.groups) > 1 and largest <= TUNING.most_together
 
     def _take(self) -> float:
         """Keep the latest paths if they are certified and the cheapest; return the certificate."""

@@ -110,8 +110,7 @@ _Answers = list[tuple[GroupPlan | None, float]]
 def share_risk_side_by_side(
     successive: SuccessiveLp,
     groups: Sequence[Group],
-    price: float,
-    spacing: float,
+    costs: tuple[float, float],
     executor: Executor | None,
 ) -> float:
     """Plan groups at a price of risk, each as if all others stayed on their paths.
@@ -122,10 +121,9 @@ def share_risk_side_by_side(
         With the latest paths, which change.
     groups : sequence of tuple of int
         Vehicles planned together.
-    price : float
-        Cost of a unit of probability.
-    spacing : float
-        Between the clearances around the latest at which risk is interpolated [-].
+    costs : tuple of float
+        Cost of a unit of probability, and the spacing between the clearances around the latest at
+        which risk is interpolated [-].
     executor : Executor or None
         Where linear programs are solved, with the same answers; None is here.
 
@@ -138,7 +136,7 @@ def share_risk_side_by_side(
     risks: dict[Group, float] = {}
     plans: dict[Group, GroupPlan] = {}
     parts: list[_Part] = []
-    found = _answers(successive, groups, (price, spacing), parts, executor)
+    found = _answers(successive, groups, costs, parts, executor)
     for number, answers in enumerate(found):
         part = parts[number]
         for group, spaces, (plan, work) in zip(part.groups, part.spaces, answers, strict=True):
@@ -155,7 +153,7 @@ def share_risk_side_by_side(
         # It went where nothing was near before: planned again from there, all others as they are.
         for i in group:
             paths.fly(i, before[0][i])
-        risks[group] = successive.share_risk(group, price, spacing)
+        risks[group] = successive.share_risk(group, *costs)
     return sum(risks.values())
 
 
