@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from radmpc.planners.certified.merging import Members
@@ -13,11 +13,10 @@ if TYPE_CHECKING:
     from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 
 __all__ = [
-    "PartBounds",
+    "PartTotals",
     "Proven",
     "bound_together",
     "bounds_within",
-    "keep_latest",
     "parts_of",
     "proven_within",
     "surplus",
@@ -45,29 +44,6 @@ def parts_of(sets: Sequence[Members]) -> tuple[Members, ...]:
         is_small = len(members) <= TUNING.most_together
         parts += [tuple(sorted(members))] if is_small else [(i,) for i in members]
     return tuple(parts)
-
-
-def keep_latest(
-    known: dict[Members, Mapping[Members, RelaxedSet]],
-    members: Members,
-    latest: Mapping[Members, RelaxedSet],
-) -> None:
-    """Keep what is known of some vehicles; leave behind what others search, beyond so many rows.
-
-    Parameters
-    ----------
-    known : dict of tuple of int to mapping of tuple of int to RelaxedSet
-        What is known, the latest last; changed in place.
-    members : tuple of int
-        The vehicles.
-    latest : mapping of tuple of int to RelaxedSet
-        What is known of them now.
-    """
-    known.pop(members, None)
-    known[members] = latest
-    rows = {m: sum(found.num_rows for found in sets.values()) for m, sets in known.items()}
-    for part in surplus(rows):
-        known[part] = {m: found.left_behind() for m, found in known[part].items()}
 
 
 def surplus(rows: dict[Members, int]) -> list[Members]:
@@ -152,13 +128,48 @@ def bound_together(
     return max(total, whole)
 
 
-class PartBounds:
-    """The bounds of parts, each computed once for what is proven of it: a fleet has hundreds."""
+class PartTotals:
+    """Bounds and rows of parts, each counted once for what is known of it: a fleet has hundreds.
 
-    def __init__(self) -> None:
-        self._latest: dict[Members, tuple[Mapping[Members, RelaxedSet], float, float]] = {}
+    Parameters
+    ----------
+    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+        What is known of parts to begin with.
+    """
 
-    def of(
+    def __init__(self, known: Proven) -> None:
+        self._bounds: dict[Members, tuple[Mapping[Members, RelaxedSet], float, float]] = {}
+        self._rows = {members: _num_rows(sets) for members, sets in known.items()}
+        self._asked: tuple[Sequence[Members], float] = (), 0.0
+        self._values: dict[Members, float] = {}
+        self._changed: set[Members] = set()
+
+    def keep_latest(
+        self,
+        known: dict[Members, Mapping[Members, RelaxedSet]],
+        members: Members,
+        latest: Mapping[Members, RelaxedSet],
+    ) -> None:
+        """Keep what is known of a part; leave behind what others search, beyond so many rows.
+
+        Parameters
+        ----------
+        known : dict of tuple of int to mapping of tuple of int to RelaxedSet
+            What is known of parts; changed in place.
+        members : tuple of int
+            The part.
+        latest : mapping of tuple of int to RelaxedSet
+            What is known of its vehicles now.
+        """
+        known[members] = latest
+        self._changed.add(members)
+        self._rows.pop(members, None)
+        self._rows[members] = _num_rows(latest)
+        for part in surplus(self._rows):
+            known[part] = {m: found.left_behind() for m, found in known[part].items()}
+            self._rows[part] = _num_rows(known[part])
+
+    def bound_of(
         self,
         members: Members,
         sets: Mapping[Members, RelaxedSet],
@@ -176,8 +187,35 @@ class PartBounds:
         base : sequence of float
             What every vehicle of the fleet is known to cost at least, the same in all calls.
         """
-        latest = self._latest.get(members)
+        latest = self._bounds.get(members)
         if latest is None or latest[0] is not sets or latest[1] != price:
             bound = bound_together(sets, [base[i] for i in members], price)
-            latest = self._latest[members] = sets, price, bound
+            latest = self._bounds[members] = sets, price, bound
         return latest[2]
+
+    def bound(
+        self, parts: Sequence[Members], price: float, bound_of: Callable[[Members], float]
+    ) -> float:
+        """Return the sum of the bounds of all parts; who was kept since is asked anew.
+
+        Parameters
+        ----------
+        parts : sequence of tuple of int
+            The parts, the same object as before where they are the same.
+        price : float
+            Cost per unit of probability.
+        bound_of : callable
+            Returns the bound of a part at that price.
+        """
+        if self._asked[0] is not parts or self._asked[1] != price:
+            self._asked, self._values = (parts, price), dict.fromkeys(parts, 0.0)
+            self._changed = set(parts)
+        for members in self._changed:
+            self._values[members] = bound_of(members)
+        self._changed.clear()
+        return sum(self._values.values())
+
+
+def _num_rows(sets: Mapping[Members, RelaxedSet]) -> int:
+    """Return how many rows are kept of a part."""
+    return sum(found.num_rows for found in sets.values())

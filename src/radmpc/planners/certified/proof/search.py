@@ -10,10 +10,9 @@ from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.proof.grouping import (
-    PartBounds,
+    PartTotals,
     Proven,
     bounds_within,
-    keep_latest,
     parts_of,
     proven_within,
 )
@@ -94,7 +93,7 @@ class BoundSearch:
     parts: dict[Members, Part] = field(default_factory=dict)
     proven: dict[Members, Mapping[Members, RelaxedSet]] = field(default_factory=dict)
     order: tuple[Members, ...] = field(init=False)
-    _bounds: PartBounds = field(init=False, default_factory=PartBounds)
+    _totals: PartTotals = field(init=False)
 
     def __post_init__(self) -> None:
         """Tabulate the tails, and choose the parts."""
@@ -113,6 +112,7 @@ class BoundSearch:
         """
         parts = parts_of(sets)
         self.proven = {members: proven_within(members, self.proven) for members in parts}
+        self._totals = PartTotals(self.proven)
         self.order = tuple(sorted(parts, key=self._paid_for_hazards, reverse=True))
 
     def continue_from(self, incumbent: FleetIncumbent, price: float) -> None:
@@ -144,7 +144,7 @@ class BoundSearch:
         """Raise the bound, by more nodes, by another price, by more directions."""
         for number, num_directions in enumerate(TUNING.directions):
             if number:
-                self.proven = {}
+                self.proven, self._totals = {}, PartTotals({})
             for _ in range(TUNING.prices):
                 self._search(num_directions)
                 _LOG.info(
@@ -188,7 +188,7 @@ class BoundSearch:
     def _bound_of(self, members: Members) -> float:
         """Return the bound of a part at the present price."""
         sets = self.proven.get(members, _NOTHING)
-        return self._bounds.of(members, sets, self.fleet.base, self.price)
+        return self._totals.bound_of(members, sets, self.fleet.base, self.price)
 
     def _paid_for_hazards(self, members: Members) -> float:
         """Return what a set's plan costs beyond the least in empty space."""
@@ -233,7 +233,7 @@ class BoundSearch:
             for members, answer in answers:
                 is_new |= answer.is_new
                 self.nodes += answer.nodes
-                keep_latest(self.proven, members, answer.sets)
+                self._totals.keep_latest(self.proven, members, answer.sets)
                 self.best = max(self.best, self.bound_here())
                 if self.is_over:
                     return False
@@ -294,7 +294,7 @@ class BoundSearch:
 
     def bound_here(self) -> float:
         """Return the bound at the present price."""
-        total = sum(map(self._bound_of, self.order))
+        total = self._totals.bound(self.order, self.price, self._bound_of)
         # What the starts risk is no choice of a plan's, and no part of what faces are charged.
         spent = self.fleet.initial if self.is_by_faces else 0.0
         return total - self.price * (self.fleet.scenario.risk_bound - spent)
