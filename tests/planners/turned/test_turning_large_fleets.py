@@ -21,6 +21,7 @@ from radmpc.planners.certified.turned.first_plan import first_plan
 from radmpc.planners.certified.turned.large.idle import not_idle
 from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.paths import Paths
+from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Turning
 from radmpc.planners.certified.within_budget import WithinBudget
@@ -192,3 +193,22 @@ def test_a_large_fleet_of_which_most_go_around_obstacles_gets_a_plan_before_any_
     hazards = Hazards.of(scenario, condensed_models(scenario))
     task = Task(hazards, lambda controls: Verdict(0.0, ()), Limits(), 1e-2, 0.05)
     assert bool(first_plan(task, 1.0, np.random.default_rng(0)).controls) == is_made
+
+
+@pytest.mark.parametrize("has_plan", [True, False])
+def test_waiting_for_a_certificate_is_urgent_only_where_there_is_no_plan(
+    monkeypatch: pytest.MonkeyPatch, *, has_plan: bool
+) -> None:
+    urgent: list[bool] = []
+
+    def noted(*asked: object) -> PriceControl:
+        urgent.append(bool(asked[-1]))
+        return PriceControl(*asked)
+
+    monkeypatch.setattr("radmpc.planners.certified.turned.turning.PriceControl", noted)
+    begun = turning(30, tuple((i,) for i in range(30)))
+    if has_plan:
+        controls = tuple(begun.successive.paths.controls)
+        begun.incumbent = FleetIncumbent(controls, 1.0, begun.sets, certified=0.01)
+    begun.run(0)
+    assert urgent == [not has_plan]

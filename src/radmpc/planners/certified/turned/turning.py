@@ -219,8 +219,8 @@ class Turning:
             The best certified plan so far.
         """
         task, paths = self.task, self.successive.paths
-        is_many = task.hazards.count > TUNING.few
-        control = PriceControl(self.price, task.risk_bound, task.gap, rival, is_many)
+        is_urgent = task.hazards.count > TUNING.few and not self.incumbent.controls
+        control = PriceControl(self.price, task.risk_bound, task.gap, rival, is_urgent)
         self.successive.forget_all_but(self.groups)
         control.begin(self._take(), paths.cost(), paths.state())
         left = task.limits.seconds_left
