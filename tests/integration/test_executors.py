@@ -78,8 +78,9 @@ def test_the_proof_says_the_same_wherever_its_parts_are_searched(monkeypatch):
     expected = plan(scenario, "certified")
 
     def counted(work, tasks, limits, executor):
-        searched.extend(tasks)
-        return in_order(work, tasks, limits, executor)
+        made = list(tasks)
+        searched.extend(made)
+        return in_order(work, made, limits, executor)
 
     monkeypatch.setattr(search, "in_order", counted)
     with ProcessPoolExecutor(2) as pool:
