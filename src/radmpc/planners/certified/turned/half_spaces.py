@@ -15,7 +15,7 @@ import numpy.typing as npt
 from radmpc.arrays import Indices, Matrix, Tensor, Vector, field_names
 from radmpc.geometry import inner_faces
 from radmpc.planners.certified.turned.directions import closest_approach, from_shape, refined
-from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise_of
+from radmpc.planners.certified.turned.encounter import Encounter, ends_of, furthest, noise_of
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
 from radmpc.planners.certified.turned.pair_normals import (
@@ -187,7 +187,7 @@ def _around(
     )
 
     def supports(directions: Tensor) -> tuple[Vector, Vector]:
-        start, end = (np.einsum("wcd,wvd->wcv", directions, c).max(axis=2) for c in corners)
+        start, end = (furthest(directions, points) for points in corners)
         return start + radius, end + radius
 
     def encounter(paths: Paths) -> Encounter:
