@@ -13,6 +13,7 @@ from radmpc.model.dynamics import double_integrator, rollout
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.certified.turned import encounter
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.margins import fixed_margins, priced_margins
@@ -247,3 +248,17 @@ def test_past_an_edge_in_space_no_random_direction_leaves_a_path_more_room() -> 
         assert (room > 0.0).all()
         if is_refined:
             assert room == pytest.approx(most, abs=1e-3)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_supports_and_variances_are_those_of_one_product_of_all(dimension: int) -> None:
+    rng = np.random.default_rng(dimension)
+    directions = rng.normal(size=(30, 7, dimension))
+    corners = rng.normal(size=(30, 5, dimension))
+    roots = rng.normal(size=(30, dimension, dimension))
+    covariances = roots @ roots.transpose(0, 2, 1)
+    along = np.einsum("wcd,wvd->wcv", directions, corners)
+    variances = np.einsum("wca,wab,wcb->wc", directions, covariances, directions)
+
+    np.testing.assert_allclose(encounter.furthest(directions, corners), along.max(axis=2))
+    np.testing.assert_allclose(encounter._variances(directions, covariances), variances)
