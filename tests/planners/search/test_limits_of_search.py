@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -10,9 +11,16 @@ import pytest
 from radmpc.experiments.families import circle, paper
 from radmpc.model.plan import Status
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.phases.time_shares import TimedJudge, but_for_certificates
 from radmpc.planners.certified.problem import SetProblem
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.task import Task
+from radmpc.planners.certified.turned.turning import Turning
 from radmpc.planners.presets import parse_planner
+from radmpc.planners.verdict import Verdict
 from radmpc.planning import plan, unjudged_plan
+from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
 from radmpc.referee import certify
 from radmpc.solvers.solution import Limits
 
@@ -84,3 +92,44 @@ def test_a_plan_that_others_judge_is_none_once_its_time_is_up() -> None:
     found = unjudged_plan(paper(3, 0), parse_planner("certified(0)"), seed=0, time_limit=0.0)
     assert found.status is Status.LIMIT
     assert found.trajectories == ()
+
+
+@pytest.mark.parametrize(("certificate", "kept"), [(0.5, 1.0), (1e-6, 2e-6), (50.0, 7.5)])
+def test_time_is_kept_for_the_last_certificates(certificate: float, kept: float) -> None:
+    limits = but_for_certificates(Limits(time_limit=30.0).within(10.0), certificate)
+    assert limits.seconds_left == pytest.approx(10.0 - kept, abs=0.2)
+    assert limits.time_limit == 30.0
+    assert but_for_certificates(Limits(), certificate) == Limits()
+
+
+def test_a_judge_knows_what_its_longest_certificate_took() -> None:
+    naps = iter([0.0, 0.05, 0.0])
+
+    def judge(controls: object) -> Verdict:
+        time.sleep(next(naps))
+        return Verdict(0.1, ())
+
+    timed = TimedJudge(judge)
+    assert timed.seconds == 0.0
+    for _ in range(3):
+        assert timed(()).certified == 0.1
+    assert 0.05 <= timed.seconds < 0.5
+
+
+@pytest.mark.parametrize(("seconds", "is_turned"), [(0.25, False), (60.0, True)])
+def test_no_round_of_turning_begins_without_time_for_its_certificate(
+    seconds: float, *, is_turned: bool
+) -> None:
+    scenario = circle(3)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    asked = []
+
+    def judge(controls: object) -> Verdict:
+        asked.append(controls)
+        time.sleep(0.15)
+        return Verdict(0.01, ())
+
+    task = Task(hazards, judge, Limits().within(seconds), 1e-3, scenario.risk_bound)
+    turning = Turning(task, FleetIncumbent(), ((0, 1, 2),), 1.0)
+    turning.run(2)
+    assert (len(asked) > 1) == is_turned

@@ -16,7 +16,11 @@ from radmpc.planners.certified.infeasible.sure import sure_why_not
 from radmpc.planners.certified.phases.by_faces import bound_faces_of_each
 from radmpc.planners.certified.phases.improving import cheaper, improved, turned_to_others
 from radmpc.planners.certified.phases.searching import SearchResult, searched, tell
-from radmpc.planners.certified.phases.time_shares import but_for_proof
+from radmpc.planners.certified.phases.time_shares import (
+    TimedJudge,
+    but_for_certificates,
+    but_for_proof,
+)
 from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.prove import Proof, bound_on_any
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
@@ -28,7 +32,7 @@ from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Solver, relative_gap
 from radmpc.system.memory import hand_back_freed
@@ -80,7 +84,8 @@ class Certified(Decomposition):
         Draft
             With a lower bound on the cost, and the shadow price of Δ, where there is a plan.
         """
-        begun = time.perf_counter()
+        begun, judge = time.perf_counter(), TimedJudge(run.judge)
+        run = replace(run, judge=judge)
         models = condensed_models(scenario)
         ruled_out = sure_why_not(scenario, models, run.limits)
         if ruled_out is not None:
@@ -103,6 +108,7 @@ class Certified(Decomposition):
         # In a large fleet turning gains more, and a search tree is kept for each of its sets.
         if state.has_plan and not (fleet.is_large or is_left):
             state = close_gap(result.search.within, state)
+        run = replace(run, limits=but_for_certificates(run.limits, judge.seconds))
         best = first if first.cost < state.incumbent.cost else state.incumbent
         tell(run, best.cost, reported_bound(fleet, state, planner.gap))
         run.improved(best.controls)
@@ -112,7 +118,8 @@ class Certified(Decomposition):
         improving = fleet.with_limits(but_for_proof(run.limits, time.perf_counter() - begun))
         state = improved(improving, state, first, run.judge)
         state, on_any = self._proven(improving, state, result, run, is_left=is_left)
-        return _draft(fleet, state, result, begun, on_any)
+        draft = _draft(fleet, state, result, begun, on_any)
+        return replace(draft, stopped_by=draft.stopped_by or run.limits.reason or None)
 
     def _proven(
         self, improving: Fleet, state: SearchState, result: SearchResult, run: Run, *, is_left: bool

@@ -6,6 +6,7 @@ The price is the shadow price of the risk, per unit of probability, unless calle
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Sequence
 
 from radmpc.arrays import Matrix
@@ -222,13 +223,16 @@ class Turning:
         is_urgent = task.hazards.count > TUNING.few and not self.incumbent.controls
         control = PriceControl(self.price, task.risk_bound, task.gap, rival, is_urgent)
         self.successive.forget_all_but(self.groups)
+        begun = time.monotonic()
         control.begin(self._take(), paths.cost(), paths.state())
         left = task.limits.seconds_left
+        # A round without time for its certificate comes to nothing.
+        useful = task.limits.within(left - (time.monotonic() - begun))
         patient = task.limits.within(TUNING.patient_share * left)
         waiting = task.limits.within(TUNING.waited_share * left)
         for number in range(rounds):
             some = patient if self.incumbent.controls else waiting
-            if task.limits.reached or control.is_over or self._has_spent(number, some):
+            if useful.reached or control.is_over or self._has_spent(number, some):
                 break
             self.price = control.price
             self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
@@ -263,10 +267,9 @@ class Turning:
         return self.successive.work >= most_work or self.num_solves >= TUNING.most_solves
 
     def _turn(self, spacing: float) -> None:
-        """Plan every group once."""
+        """Plan every group once, at once where none shares a set with another."""
         successive, costs, executor = self.successive, (self.price, spacing), self.task.executor
         if len(self.groups) > 1 and max(map(len, self.sets)) <= TUNING.most_together:
-            # None shares a set with another.
             self.risk = share_risk_side_by_side(successive, self.groups, costs, executor)
             self.num_solves += len(self.groups)
             return
@@ -279,8 +282,7 @@ class Turning:
 
     def _take(self) -> float:
         """Keep the latest paths if they are certified and the cheapest; return the certificate."""
-        paths = self.successive.paths
-        controls = tuple(paths.controls)
+        paths, controls = self.successive.paths, tuple(self.successive.paths.controls)
         certified, cost = self.task.judge(controls).certified, paths.cost()
         if certified <= self.task.risk_bound and cost < self.incumbent.cost:
             ratio = min(self.risk / max(certified, _NOTHING), TUNING.most_ratio)
