@@ -17,7 +17,7 @@ from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.state.task import Task
-from radmpc.planners.certified.turned.first_plan import first_plan
+from radmpc.planners.certified.turned.first_plan import _is_short, first_plan
 from radmpc.planners.certified.turned.large.idle import not_idle
 from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.paths import Paths
@@ -29,6 +29,7 @@ from radmpc.planners.verdict import Verdict
 from radmpc.planning import plan
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
+from radmpc.solvers.compiled_code import is_compiled
 from radmpc.solvers.solution import Limits, never
 
 
@@ -212,3 +213,14 @@ def test_waiting_for_a_certificate_is_urgent_only_where_there_is_no_plan(
         begun.incumbent = FleetIncumbent(controls, 1.0, begun.sets, certified=0.01)
     begun.run(0)
     assert urgent == [not has_plan]
+
+
+@pytest.mark.skipif(not is_compiled(), reason="searches take ten times as long without")
+@pytest.mark.parametrize(("avoidance", "is_short"), [("steps", False), ("intervals", True)])
+def test_a_search_has_a_plan_sooner_than_what_is_made_before_it_at_steps(
+    avoidance: str, *, is_short: bool
+) -> None:
+    scenario = replace(fleet(50, 0), avoidance=avoidance)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    task = Task(hazards, lambda controls: Verdict(0.0, ()), Limits().within(1.0), 1e-2, 0.05)
+    assert _is_short(task) is is_short

@@ -148,7 +148,9 @@ def _routes(
 
 def _is_short(task: Task) -> bool:
     """Whether there is little time per vehicle."""
-    each = TUNING.short if is_compiled() else TUNING.short_by_highs
+    each = TUNING.short_along if task.hazards.intervals else TUNING.short
+    if not is_compiled():
+        each = TUNING.short_by_highs
     return task.limits.seconds_left < each * task.hazards.count
 
 

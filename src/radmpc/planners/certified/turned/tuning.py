@@ -79,9 +79,11 @@ class Tuning:
         to 40 robots all that did after four sweeps still missed half of it after twelve; of 50
         attempts on maps and among boxes those that led to something missed at most 6.1, 3.7, 1.6
         and 0.6 times as much after one to four. Of 60 robots a sweep takes half a second.
-    short : float
-        Time for the search below which a plan is made before it in large fleets, per vehicle [s].
-        The first certified plan of `fleet(256)` takes 9 ms per vehicle without one, 13 to 60 with.
+    short, short_along : float
+        Time for the search below which a plan is made before it in large fleets, per vehicle, at
+        steps and along intervals [s]. The first certified plan of `fleet(256)` to `(1000)` takes 6
+        to 9 ms per vehicle without one at steps, and 10 to 14 with; along intervals 14 to 48
+        without, and 12 to 34 with, or there is none.
     short_by_highs : float
         The same without compiled code [s]: the first round of `fleet(64)` takes 60 ms per vehicle.
     attempts : int
@@ -208,7 +210,8 @@ class Tuning:
     few_sweeps: int = 20
     telling: int = 3
     sooner: float = 2.5
-    short: float = 0.03
+    short: float = 0.008
+    short_along: float = 0.03
     short_by_highs: float = 0.25
     attempts: int = 8
     joint_attempts: int = 3
