@@ -142,3 +142,16 @@ def test_programs_that_workers_build_are_those_built_here():
             np.testing.assert_array_equal(
                 getattr(ours.program.rows, name), getattr(theirs.program.rows, name)
             )
+
+
+def test_programs_of_sets_are_given_up_once_these_are_merged_and_no_others():
+    programs = Fleet.of(fleet(8, 0), GAP, Limits(float("inf"), never)).programs
+    for members in ((0, 1), (2, 3), (1, 2), (4, 5), (0,), (0, 1, 2, 3)):
+        programs.problem(members)
+    kept = {m for m in ((0, 1), (2, 3), (1, 2), (4, 5), (0,), (0, 1, 2, 3)) if programs.is_built(m)}
+    assert kept == {(4, 5), (0,), (0, 1, 2, 3)}
+    # Asked for again, a part is built again, and given up with the next set that holds it.
+    programs.problem((0, 1))
+    programs.problem((0, 1, 4))
+    assert not programs.is_built((0, 1))
+    assert programs.is_built((4, 5))

@@ -65,6 +65,7 @@ class SetPrograms:
         self.covariances = hazards.covariances
         self.surroundings = Surroundings(scenario, self.models)
         self._problems: dict[Members, SetProblem] = {}
+        self._sets_of: dict[int, set[Members]] = {}
         self._alone: dict[Members, Scenario] = {}
         self._least_costs: dict[int, float] = {}
         self._least_of_all: tuple[float, ...] = ()
@@ -78,7 +79,7 @@ class SetPrograms:
         if members not in self._problems:
             self._forget_parts(members)
             problem = SetProblem.of(self.alone(members), members, self.models, self.unit)
-            self._problems[members] = problem.without_cost() if self.is_costless else problem
+            self._keep(problem.without_cost() if self.is_costless else problem)
         return self._problems[members]
 
     def is_built(self, members: Members) -> bool:
@@ -88,24 +89,28 @@ class SetPrograms:
     def take(self, problem: SetProblem) -> None:
         """Keep a set's program that was built elsewhere."""
         self._forget_parts(problem.members)
+        self._keep(problem)
+
+    def _keep(self, problem: SetProblem) -> None:
+        """Keep a set's program, known by each of its members."""
         self._problems[problem.members] = problem
+        for i in problem.members if len(problem.members) > 1 else ():
+            self._sets_of.setdefault(i, set()).add(problem.members)
 
     def forget(self) -> None:
-        """Give up all programs: they are built anew when they are asked for.
-
-        Those of twenty robots among two hundred boxes take 120 MB.
-        """
+        """Give up all programs, to be built anew: those of twenty robots may take 120 MB."""
         self._problems.clear()
+        self._sets_of.clear()
         self._motions.clear()
         hand_back_freed()
 
     def _forget_parts(self, members: Members) -> None:
         """Give up the programs of several of some vehicles; what one does alone is asked for."""
-        whole = set(members)
-        for part in [
-            m for m in self._problems if 1 < len(m) < len(members) and whole.issuperset(m)
-        ]:
+        met = set().union(*(self._sets_of.get(i, ()) for i in members))
+        for part in (m for m in met if set(m) < set(members)):
             del self._problems[part]
+            for i in part:
+                self._sets_of[i].discard(part)
 
     def build_alone(self, limits: Limits, executor: Executor | None = None) -> bool:
         """Build every vehicle's own program, until a limit; return whether all are built.
