@@ -21,7 +21,7 @@ from radmpc.flying.warm.search import Try, WarmSearch
 from radmpc.model.dynamics import lqr_gain
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.turned import near, successive
+from radmpc.planners.certified.turned import unforeseen
 from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.margins import fixed_margins
@@ -110,10 +110,10 @@ def test_paths_that_hardly_moved_need_no_second_look(
     left = left_of(plan.scenario, 1, pushed(plan, 1, 3), 0.02)
     asked = Try(left, tuple(path.controls[1:] for path in plan.trajectories), False, never)
     found, looks = [], []
-    right = successive.half_spaces
-    monkeypatch.setattr(successive, "half_spaces", lambda *a: looks.append(len(found)) or right(*a))
-    for surely in (near._SURELY, 0.0):
-        monkeypatch.setattr(near, "_SURELY", surely)
+    right = unforeseen.half_spaces
+    monkeypatch.setattr(unforeseen, "half_spaces", lambda *a: looks.append(len(found)) or right(*a))
+    for surely in (unforeseen._SURELY, 0.0):
+        monkeypatch.setattr(unforeseen, "_SURELY", surely)
         search = WarmSearch(plan.scenario)
         answer = [search.search(asked) for _ in range(2)][-1]
         assert answer is not None

@@ -22,7 +22,7 @@ _REACH_TOL = 1e-6
 bounds of outputs are exact only up to rounding."""
 
 _BLOCK = 50_000
-"""Rows that are looked at at a time [-]: two copies of them are made."""
+"""Rows that are looked at at a time [-]: a few arrays as long as their entries are made."""
 
 
 def violations_of(program: DisjunctiveProgram, margins: Vector, z: Vector) -> Vector:

@@ -139,7 +139,7 @@ class SetPrograms:
         chunks = [every[begin : begin + size] for begin in range(0, count, size)]
         found = run_elsewhere(build_problems, chunks, limits, executor, lambda done, total: None)
         for problem in (one for built in found for one in built or ()):
-            self._problems[problem.members] = problem
+            self._keep(problem)
 
     def least_cost(self, i: int) -> float:
         """Return what a vehicle costs at least in empty space; 0 where it cannot reach its goal."""

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 from radmpc.records import dataclass
 
-__all__ = ["Near", "may_have_left"]
-
-_SURELY = 0.99
-"""Share of a reach that paths may move by without another look [-]: rounding."""
+__all__ = ["Near"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,19 +29,3 @@ class Near:
     reach: float
     is_refined: bool
     is_start_given: bool = False
-
-
-def may_have_left(moved: float, dimension: int, reach: float) -> bool:
-    """Tell whether paths may have come near what had no half-space, since it was beyond a reach.
-
-    Parameters
-    ----------
-    moved : float
-        How far any of them moved along an axis, at most [m].
-    dimension : int
-        Number of coordinates d.
-    reach : float
-        How far beyond what counts as near half-spaces were sought [m].
-    """
-    # Two that move come closer by as much as both do, whatever they are to each other.
-    return 2.0 * math.sqrt(dimension) * moved >= _SURELY * reach

@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor
+from radmpc.arrays import Matrix
 from radmpc.gaussian import Tail
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
@@ -25,10 +25,11 @@ from radmpc.planners.certified.turned.linear.margins import (
     priced_margins,
 )
 from radmpc.planners.certified.turned.linear.warm_programs import Group, WarmPrograms
-from radmpc.planners.certified.turned.near import Near, may_have_left
+from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import reached_by
 from radmpc.planners.certified.turned.paths import Paths, SavedPaths
 from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.certified.turned.unforeseen import unforeseen
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 
@@ -233,7 +234,9 @@ class SuccessiveLp:
             if plan is None:
                 break
             self._fly(group, plan)
-            if not self._is_surprised(group, spaces, before[1], reach):
+            had = spaces.keys, reach
+            new = unforeseen(self.hazards, self.paths, group, before[1], had)
+            if new is None or not new.count:
                 break
             # The paths went where nothing was near them before: look further around the old ones.
             self.paths.restore(before)
@@ -255,30 +258,6 @@ class SuccessiveLp:
         """Give a group the controls of a plan."""
         for i, controls in zip(group, plan.controls, strict=True):
             self.paths.fly(i, controls)
-
-    def _is_surprised(self, group: Group, spaces: HalfSpaces, before: Tensor, reach: float) -> bool:
-        """Whether the latest paths come near anything that there was no half-space for.
-
-        Parameters
-        ----------
-        group : tuple of int
-            Who moved.
-        spaces : HalfSpaces
-            Turned to where the paths were, around which all within a reach has one.
-        before : (N, T+1, d) array
-            Where they were [m].
-        reach : float
-            How far beyond what counts as near that is [m].
-        """
-        members = list(group)
-        furthest = float(np.abs(self.paths.means[members] - before[members]).max(initial=0.0))
-        if not may_have_left(furthest, self.hazards.dimension, reach):
-            return False
-        far = far_of(self.hazards.tail, TUNING.compared)
-        near = Near(far, 0.0, is_refined=False)
-        latest = half_spaces(self.hazards, self.paths, group, near)
-        close = latest.keys[(latest.clearances < far).any(axis=1)]
-        return not bool(np.isin(close, spaces.keys).all())
 
     def forget_all_but(self, groups: Sequence[Group]) -> None:
         """Give up the linear programs of groups that will not be planned again.

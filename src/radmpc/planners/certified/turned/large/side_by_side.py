@@ -20,9 +20,10 @@ from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import far_of, priced_margins
 from radmpc.planners.certified.turned.linear.warm_programs import Group
-from radmpc.planners.certified.turned.near import Near, may_have_left
+from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.certified.turned.unforeseen import unforeseen
 from radmpc.planners.executing import in_order
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass
@@ -253,16 +254,11 @@ def _surprised(
     successive: SuccessiveLp, groups: Sequence[Group], before: Tensor, parts: Sequence[_Part]
 ) -> list[Group]:
     """Return the groups that came near anything that there was no half-space for."""
-    hazards, paths = successive.hazards, successive.paths
     members = sorted(i for group in groups for i in group)
     if not members:
         return []
-    furthest = float(np.abs(paths.means[members] - before[members]).max())
-    if not may_have_left(furthest, hazards.dimension, _reach(successive, groups)):
-        return []
-    near = Near(far_of(hazards.tail, TUNING.compared), 0.0, is_refined=False)
-    latest = half_spaces(hazards, paths, members, near)
-    known = np.concatenate([spaces.keys for part in parts for spaces in part.spaces])
-    is_new = (latest.clearances < near.clearance).any(axis=1) & ~np.isin(latest.keys, known)
-    came = {*latest.first[is_new].tolist(), *latest.second[is_new].tolist()}
+    keys = np.concatenate([spaces.keys for part in parts for spaces in part.spaces])
+    had = keys, _reach(successive, groups)
+    new = unforeseen(successive.hazards, successive.paths, members, before, had)
+    came = set() if new is None else {*new.first.tolist(), *new.second.tolist()}
     return [group for group in groups if came.intersection(group)]
