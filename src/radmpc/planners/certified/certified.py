@@ -14,7 +14,12 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.sure import sure_why_not
 from radmpc.planners.certified.phases.by_faces import bound_faces_of_each
-from radmpc.planners.certified.phases.improving import cheaper, improved, turned_to_others
+from radmpc.planners.certified.phases.improving import (
+    cheaper,
+    improved,
+    searched_nearby,
+    turned_to_others,
+)
 from radmpc.planners.certified.phases.searching import SearchResult, searched, tell
 from radmpc.planners.certified.phases.time_shares import (
     TimedJudge,
@@ -104,7 +109,7 @@ class Certified(Decomposition):
         if run.limits.reached:
             # All that follows would begin only to end.
             return _draft(fleet, cheaper(state, first), result, begun, result.on_any)
-        is_left = is_outdone(fleet, state, first.cost)
+        is_left = not state.has_plan or is_outdone(fleet, state, first.cost)
         # In a large fleet turning gains more, and a search tree is kept for each of its sets.
         if state.has_plan and not (fleet.is_large or is_left):
             state = close_gap(result.search.within, state)
@@ -117,6 +122,7 @@ class Certified(Decomposition):
         fleet.programs.forget()
         improving = fleet.with_limits(but_for_proof(run.limits, time.perf_counter() - begun))
         state = improved(improving, state, first, run.judge)
+        state = searched_nearby(improving, state, run)
         state, on_any = self._proven(improving, state, result, run, is_left=is_left)
         draft = _draft(fleet, state, result, begun, on_any)
         return replace(draft, stopped_by=draft.stopped_by or run.limits.reason or None)

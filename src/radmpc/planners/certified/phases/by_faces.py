@@ -95,8 +95,8 @@ def bound_faces_of_each(
         price = fleet.first_unit_price(state.budget) / fleet.unit
     base, incumbent = float(sum(fleet.base)), state.incumbent
     search = BoundSearch(fleet, incumbent, price, base, most_nodes, is_by_faces=True)
-    _move_price(search, fleet.singles)
-    _advance(search, fleet.singles, range(TUNING.efforts_for_price, TUNING.efforts_alone))
+    _move_price(search, fleet.singles, TUNING.efforts_for_price)
+    _move_price(search, fleet.singles, TUNING.efforts_alone)
     state = _turned_to_alone(search, state, judge)
     if not search.is_over:
         from radmpc.planners.certified.phases.least_alone import with_least_alone  # noqa: PLC0415 - few need it
@@ -123,14 +123,17 @@ def _turned_to_alone(search: BoundSearch, state: SearchState, judge: Judge | Non
     return state
 
 
-def _move_price(search: BoundSearch, sets: tuple[Members, ...]) -> None:
-    """Move the price while that raises the bound: the plan at hand may risk little of Δ."""
-    _advance(search, sets, range(TUNING.efforts_for_price))
+def _move_price(search: BoundSearch, sets: tuple[Members, ...], efforts: int) -> None:
+    """Move the price while that raises the bound: the plan at hand may risk little of Δ.
+
+    Bounds come the sooner the higher the price is, so that a lower one takes more efforts to tell.
+    """
+    _advance(search, sets, range(efforts))
     for _ in range(TUNING.price_moves):
         price, bound = search.price, search.bound_here()
         if search.is_over or not search.moves_price(TUNING.most_step):
             return
-        _advance(search, sets, range(TUNING.efforts_for_price))
+        _advance(search, sets, range(efforts))
         if search.bound_here() <= bound:
             search.price = price
             return

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.phases.tuning import TUNING as PHASES
 from radmpc.planners.certified.proof.prove import Proof
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
-from radmpc.planners.certified.state.bounds import shadow_price
+from radmpc.planners.certified.state.bounds import reported_bound, shadow_price
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.planner import Run
 from radmpc.planners.verdict import Judge
 from radmpc.records import replace
 from radmpc.solvers.solution import relative_gap
 
-__all__ = ["cheaper", "improved", "turned_to_others"]
+__all__ = ["cheaper", "improved", "is_searched_nearby", "searched_nearby", "turned_to_others"]
 
 
 def improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, judge: Judge) -> SearchState:
@@ -46,6 +49,49 @@ def improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, judge: Jud
             begin = replace(state, incumbent=first)
             first = turn_half_spaces(fleet, begin, judge, state.incumbent.cost).incumbent
     return cheaper(state, first, searched)
+
+
+def searched_nearby(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
+    """Search neighborhoods of the plan of a few vehicles in the open, if the search left a gap.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet, with the limits of its improvement.
+    state : SearchState
+        With a plan, or without.
+    run : Run
+        The referee, and what draws.
+
+    Returns
+    -------
+    SearchState
+        With a cheaper plan where there is one.
+    """
+    if not (is_searched_nearby(fleet.scenario) and state.has_plan) or fleet.limits.reached:
+        return state
+    found = state.incumbent
+    gap = relative_gap(found.cost, reported_bound(fleet, state, fleet.gap))
+    if gap <= PHASES.ajar:
+        return state
+    from radmpc.planners.certified.phases.neighborhoods import search_neighborhoods  # noqa: PLC0415 - few need it
+
+    share = PHASES.share_in_the_open * fleet.limits.seconds_left
+    fleet = fleet.with_limits(fleet.limits.within(share))
+    found = search_neighborhoods(fleet, found, run.judge, run.rng.spawn(1)[0])
+    return replace(state, incumbent=found)
+
+
+def is_searched_nearby(scenario: Scenario) -> bool:
+    """Whether neighborhoods of plans are searched after the search: a few vehicles in the open.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    """
+    is_open = not (scenario.obstacles or scenario.has_windows)
+    return is_open and 1 < scenario.num_vehicles <= TUNING.few
 
 
 def cheaper(

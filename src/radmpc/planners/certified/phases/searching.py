@@ -11,6 +11,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.ended import ended
+from radmpc.planners.certified.phases.improving import is_searched_nearby
 from radmpc.planners.certified.phases.time_shares import but_for_faces, limits_of_search
 from radmpc.planners.certified.phases.tuning import TUNING as PHASES
 from radmpc.planners.certified.proof.grouping import Proven
@@ -28,7 +29,7 @@ from radmpc.program.build import build_program
 from radmpc.program.hazards import Hazards
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass, field, replace
-from radmpc.solvers.solution import Limits
+from radmpc.solvers.solution import Limits, relative_gap
 from radmpc.system.memory import hand_back_freed
 
 __all__ = ["SearchResult", "searched", "tell"]
@@ -102,15 +103,15 @@ def searched(
     begin = limits_of_search(run.limits)
     is_tight = _is_tight(scenario)
     first = _first(scenario, planner.gap, run, begin, hazards, is_needed=is_tight)
-    if first.controls and scenario.obstacles and not is_tight:
-        begin = but_for_faces(begin, run.limits)
     if not is_tight:
+        begin = _begin_with(first, scenario, begin, run.limits)
         # What follows builds programs of its own, and may be large.
         hand_back_freed()
     fleet = _fleet(scenario, planner.gap, run, begin, hazards, first.cost)
     is_built, state = fleet.programs.build_alone(run.limits, run.executor), SearchState.of(fleet)
-    if is_built and _is_among_many(fleet) and first.controls:
-        first = _on_sides_alone(fleet, first, run)
+    is_dear = is_built and bool(first.controls) and _is_dear(fleet, first)
+    if is_built and first.controls and (is_dear or _is_among_many(fleet)):
+        first = (_cheaper_nearby if is_dear else _on_sides_alone)(fleet, first, run)
         fleet = replace(fleet, found=_telling(run, first.cost))
     search = PriceSearch.of(fleet, run.judge, first.cost)
     if not is_built:
@@ -126,11 +127,11 @@ def searched(
         if ahead.is_closed:
             return SearchResult(search, ahead.state, first, None, None, on_any, True)
         state = replace(state, budget_bounds=ahead.state.budget_bounds)
-    if state.budget > 0.0:
+    if state.budget > 0.0 and not is_dear:
         state = search.run(state)
     # Turning has time of its own, reserved beforehand.
     stopped_by = begin.reason or None
-    if state.has_plan:
+    if state.has_plan or is_dear:
         return SearchResult(search, state, first, None, stopped_by, on_any, proven=proven)
     from radmpc.planners.certified.fallbacks import last_resort  # noqa: PLC0415 - few need it
 
@@ -139,6 +140,12 @@ def searched(
     stopped_by = stopped_by or begin.reason or None
     found = SearchResult(last.search, last.state, first, last.answer, stopped_by, on_any)
     return replace(found, proven=proven)
+
+
+def _begin_with(first: FleetIncumbent, scenario: Scenario, begin: Limits, limits: Limits) -> Limits:
+    """Return when the search ends: among obstacles, or in small fleets, others may come further."""
+    is_followed = bool(scenario.obstacles) or is_searched_nearby(scenario)
+    return but_for_faces(begin, limits) if first.controls and is_followed else begin
 
 
 def _cut_off(
@@ -164,6 +171,21 @@ def _is_tight(scenario: Scenario) -> bool:
     return scenario.avoidance == "steps" and is_planar and is_small
 
 
+def _is_dear(fleet: Fleet, first: FleetIncumbent) -> bool:
+    """Whether a few vehicles give up much for each other between a few obstacles.
+
+    Sets searched at a price lead nowhere there. Of more vehicles, or among more obstacles, they
+    do, and sooner than neighborhoods.
+    """
+    scenario, count = fleet.scenario, fleet.scenario.num_vehicles
+    is_fit = not (_is_tight(scenario) or scenario.has_windows)
+    is_fit &= 0 < len(scenario.obstacles) < TUNING.many_obstacles and count < TUNING.many
+    # Without a limit a search is to come to its end, whatever that takes.
+    is_fit &= fleet.limits.seconds_left < np.inf
+    is_fit &= max(map(len, first.sets)) >= PHASES.least_together
+    return is_fit and relative_gap(first.cost, float(sum(fleet.base))) > PHASES.dear
+
+
 def _is_among_many(fleet: Fleet) -> bool:
     """Whether several vehicles go among many obstacles, few enough to look at each."""
     scenario = fleet.scenario
@@ -177,6 +199,19 @@ def _on_sides_alone(fleet: Fleet, first: FleetIncumbent, run: Run) -> FleetIncum
     from radmpc.planners.certified.phases.sides_alone import on_sides_alone  # noqa: PLC0415 - few need it
 
     found = on_sides_alone(fleet, first, run.judge)
+    if found.cost < first.cost:
+        _tell_first(run, found)
+    return found
+
+
+def _cheaper_nearby(fleet: Fleet, first: FleetIncumbent, run: Run) -> FleetIncumbent:
+    """Search neighborhoods of a first plan, and tell of a cheaper one."""
+    from radmpc.planners.certified.phases.neighborhoods import search_neighborhoods  # noqa: PLC0415 - few need it
+
+    run.progress("improving", 0, 1)
+    limits = fleet.limits
+    fleet = fleet.with_limits(limits.within(PHASES.share_among_obstacles * limits.seconds_left))
+    found = search_neighborhoods(fleet, first, run.judge, run.rng.spawn(1)[0])
     if found.cost < first.cost:
         _tell_first(run, found)
     return found

@@ -50,6 +50,16 @@ class Tuning:
     cheaper, turns_alone : float, int
         Share of its effort by which a vehicle has to be cheaper alone to be turned to that [-], and
         how often such are turned to it at most, while that makes the plan cheaper [-].
+    ajar, share_in_the_open : float
+        Gap by faces after the search from which on neighborhoods of the plan of a few vehicles in
+        the open are searched, and share of the time left for improving that this may take [-].
+    dear, least_together, share_among_obstacles : float, int, float
+        Gap of a first plan to what vehicles cost in empty space, and vehicles in each other's way,
+        from which on neighborhoods are searched instead of sets between a few obstacles, and share
+        of the time for the search that this may take [-].
+    most_led, idle_neighborhoods : int
+        Vehicles of a neighborhood at most [-], and neighborhoods in a row without a cheaper plan
+        after which no other is searched [-]: of `zigzag` one in ten gains 2 to 10 %.
     efforts_alone : int
         Rounds of that bound of every vehicle alone, after which mixed-integer programs are tried
         [-]: of `parking` they have shown by then that they take far longer.
@@ -86,6 +96,13 @@ class Tuning:
     alone_share: float = 0.65
     cheaper: float = 0.01
     turns_alone: int = 2
+    ajar: float = 0.02
+    share_in_the_open: float = 0.5
+    share_among_obstacles: float = 0.6
+    dear: float = 0.3
+    least_together: int = 3
+    most_led: int = 3
+    idle_neighborhoods: int = 40
     efforts_alone: int = 5
     efforts_for_price: int = 2
     price_moves: int = 6

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 
+from radmpc.arrays import Matrix
+from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.verdict import Judge
 from radmpc.program.hazards import Hazards
@@ -12,7 +14,7 @@ from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass
 from radmpc.solvers.solution import Limits
 
-__all__ = ["Task"]
+__all__ = ["Task", "task_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,3 +49,20 @@ class Task:
     found: Callable[[FleetIncumbent], None] = lambda incumbent: None
     program_alone: Callable[[int], DisjunctiveProgram] | None = None
     executor: Executor | None = None
+
+
+def task_of(fleet: Fleet, judge: Judge, controls: Sequence[Matrix]) -> Task:
+    """Return what turning half-spaces is asked of a fleet.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet, with the limits that end it.
+    judge : callable
+        The referee.
+    controls : sequence of (T, m) array
+        Of a plan: visits are made at its steps.
+    """
+    hazards, bound = fleet.programs.hazards.visiting(controls), fleet.scenario.risk_bound
+    say = lambda one: fleet.improved(one.controls)  # noqa: E731 - said at once
+    return Task(hazards, judge, fleet.limits, fleet.gap, bound, say, executor=fleet.executor)

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from radmpc.arrays import distinct
-from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.half_spaces import half_spaces
-from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.near import Near, first_clearance
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
@@ -103,9 +102,8 @@ def first_plan(
 
 def _clearance(task: Task, *, is_maze: bool) -> float:
     """Return how far vehicles keep apart at first [standard deviations]."""
-    first_share = TUNING.first_share_in_mazes if is_maze else TUNING.first_share
-    share = first_share * task.risk_bound / task.hazards.count
-    return float(task.hazards.tail.clearance_for(min(share, CONVEX_RISK)))
+    share = TUNING.first_share_in_mazes if is_maze else TUNING.first_share
+    return first_clearance(task.hazards, task.risk_bound, share)
 
 
 def _dear(*, is_maze: bool) -> float:

@@ -1,10 +1,13 @@
-"""What counts as near a path."""
+"""What counts as near a path, and how far paths keep apart at first."""
 
 from __future__ import annotations
 
+from radmpc.gaussian import CONVEX_RISK
+from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 
-__all__ = ["Near"]
+__all__ = ["Near", "first_clearance"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,3 +32,21 @@ class Near:
     reach: float
     is_refined: bool
     is_start_given: bool = False
+
+
+def first_clearance(
+    hazards: Hazards, risk_bound: float, share: float = TUNING.first_share
+) -> float:
+    """Return how far vehicles keep apart before risk has a price [standard deviations].
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    risk_bound : float
+        Δ [-].
+    share : float
+        Share of Δ per vehicle that every half-space may risk [-].
+    """
+    risk = min(share * risk_bound / hazards.count, CONVEX_RISK)
+    return float(hazards.tail.clearance_for(risk))

@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Sequence
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
-from radmpc.planners.certified.state.task import Task
+from radmpc.planners.certified.state.task import Task, task_of
 from radmpc.planners.certified.turned.large.groups import groups_of
 from radmpc.planners.certified.turned.large.idle import not_idle
 from radmpc.planners.certified.turned.large.side_by_side import share_risk_side_by_side
@@ -60,7 +59,7 @@ def turn_half_spaces(
     """
     incumbent = state.incumbent
     price = incumbent.turned_price or state.last_unit_price(fleet) / fleet.unit
-    turning = Turning(_task(fleet, judge, incumbent.controls), incumbent, incumbent.sets, price)
+    turning = Turning(task_of(fleet, judge, incumbent.controls), incumbent, incumbent.sets, price)
     turning.successive.begin(incumbent.controls)
     task, paths = turning.task, turning.successive.paths
     if task.hazards.count > TUNING.most_together:
@@ -97,7 +96,7 @@ def turn_to(
     SearchState
         With a cheaper plan where there is one.
     """
-    incumbent, task = state.incumbent, _task(fleet, judge, controls)
+    incumbent, task = state.incumbent, task_of(fleet, judge, controls)
     turning = Turning(task, incumbent, incumbent.sets, price)
     if task.hazards.count > TUNING.most_together:
         others = on_other_sides(task.hazards, incumbent.controls, controls)
@@ -137,16 +136,9 @@ def plan_by_turning(
     """
     # Risk counts for much more than effort until the plan is certified.
     price = TUNING.dear * fleet.first_unit_price(state.budget) / fleet.unit
-    turning = Turning(_task(fleet, judge, controls), state.incumbent, sets, price)
+    turning = Turning(task_of(fleet, judge, controls), state.incumbent, sets, price)
     turning.successive.begin(controls)
     return replace(state, incumbent=turning.run(2 * TUNING.rounds, state.incumbent.cost))
-
-
-def _task(fleet: Fleet, judge: Judge, controls: Sequence[Matrix]) -> Task:
-    """Return what turning is asked of a fleet, visits at the steps of given controls."""
-    hazards, bound = fleet.programs.hazards.visiting(controls), fleet.scenario.risk_bound
-    say = lambda one: fleet.improved(one.controls)  # noqa: E731 - said at once
-    return Task(hazards, judge, fleet.limits, fleet.gap, bound, say, executor=fleet.executor)
 
 
 @dataclass(slots=True, eq=False)
