@@ -1,4 +1,4 @@
-"""Neighborhoods of a plan: who gives up much is rerouted or retimed, and the plan becomes cheaper."""
+"""Neighborhoods of a plan: who gives up much is rerouted or retimed, for a cheaper plan."""
 
 from __future__ import annotations
 
