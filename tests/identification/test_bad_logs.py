@@ -232,3 +232,20 @@ def test_too_few_axes_are_refused() -> None:
 def test_no_vehicle_is_refused() -> None:
     with pytest.raises(FileFormatError, match="hold no vehicle"):
         identify([])
+
+
+@pytest.mark.parametrize("log", ["both", "references"])
+def test_references_that_are_where_vehicles_were_tell_nothing_and_that_is_said(log: str) -> None:
+    [track] = fly(Truth(steps=400), 5, log)
+    states = np.hstack([track.positions, track.velocities])
+    found = identify([track.changed({"references": states})])
+    assert found.evidence == ("commands" if log == "both" else "states")
+    assert found.pooled.gain is None
+    assert any(line.startswith("feedback: ") for line in found.unknown)
+    assert [line for line in found.warnings if "where the vehicle was" in line]
+    # A plan made anew at every step ends where the vehicle does not.
+    states[-1] += 1.0
+    assert identify([track.changed({"references": states})]).pooled.gain is None
+    # Positions alone that were copied tell as little.
+    found = identify([track.changed({"references": track.positions})])
+    assert found.pooled.gain is None

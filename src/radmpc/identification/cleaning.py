@@ -9,7 +9,7 @@ from radmpc.arrays import Matrix
 from radmpc.errors import FileFormatError
 from radmpc.identification.track import Track
 
-__all__ = ["clean"]
+__all__ = ["clean", "without_copies"]
 
 _LEAST_SHARE, _LEAST_SAMPLES = 0.2, 40
 """Share [-] and number of samples below which a part that is mostly missing counts as not logged:
@@ -25,6 +25,10 @@ their units are judged: of a vehicle at rest they tell nothing."""
 
 _WINDOW = 20
 """Samples over which distances are compared: noise averages out, motion adds up."""
+
+_COPIED = 1e-9
+"""Distance between references and states, over the largest of these, at which those are copies
+of these [-]."""
 
 _LONGEST_PERIOD, _SHORTEST_PERIOD = 600.0, 1e-5
 """Time between two samples [s] beyond which times are hardly in seconds."""
@@ -63,6 +67,26 @@ def clean(track: Track, *, dimension: int | None = None) -> tuple[Track | None, 
     _check_units(found)
     _check_period(found, warnings)
     return found, tuple(warnings)
+
+
+def without_copies(track: Track) -> Track:
+    """Return a track without references that are its states, as plans made at every step begin.
+
+    They tell nothing of what the vehicle does off them.
+
+    Parameters
+    ----------
+    track : Track
+        With all numbers finite.
+    """
+    if track.references is None:
+        return track
+    states = track.positions
+    if track.references.shape[1] > track.dimension and track.velocities is not None:
+        states = np.hstack([track.positions, track.velocities])
+    apart = np.abs(track.references[:, : states.shape[1]] - states).max(axis=1)
+    is_apart = apart > _COPIED * max(float(np.abs(states).max()), 1.0)
+    return track.changed({"references": None}) if is_apart.mean() < _LEAST_SHARE else track
 
 
 def _with_axes(track: Track, dimension: int | None) -> Track:

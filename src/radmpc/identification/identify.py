@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from radmpc.errors import FileFormatError, ScenarioError
-from radmpc.identification.cleaning import clean
+from radmpc.identification.cleaning import clean, without_copies
 from radmpc.identification.commands import command_warning
 from radmpc.identification.estimate import Estimate, estimate
 from radmpc.identification.model import StepModel
@@ -161,6 +161,10 @@ def _cleaned(tracks: Sequence[Track], dimension: int | None, warnings: list[str]
         warnings += told
         if kept is not None:
             found.append(kept)
+    own = [without_copies(track) for track in found]
+    if any(a is not b for a, b in zip(found, own, strict=True)):
+        warnings.append("references that are where the vehicle was are not used")
+    found = own
     if not found:
         raise FileFormatError("the logs hold no sample that can be used")
     if any(t.velocities is None for t in found) and any(t.velocities is not None for t in found):
