@@ -194,8 +194,9 @@ def _of_vehicle(
         )
     borders = list(border_charges(scenario, box, points))
     if borders:
-        # Opposite faces exclude each other, and the referee adds up all of them.
-        field = _cells(np.sum([risks for risks, _ in borders], axis=0), cells)
+        # Opposite faces exclude each other, and the referee adds up all of them. Each is least at a
+        # corner of a cell; their sum may be least in between.
+        field = np.sum([_cells(risks, cells) for risks, _ in borders], axis=0)
         fields.append(field)
         distance = min(most for _, most in borders)
         hazards.append(
