@@ -182,7 +182,7 @@ def _is_dear(fleet: Fleet, first: FleetIncumbent) -> bool:
     is_fit &= 0 < len(scenario.obstacles) < TUNING.many_obstacles and count < TUNING.many
     # Without a limit a search is to come to its end, whatever that takes.
     is_fit &= fleet.limits.seconds_left < np.inf
-    is_fit &= max(map(len, first.sets)) >= PHASES.least_together
+    is_fit &= max(map(len, first.sets), default=0) >= PHASES.least_together
     return is_fit and relative_gap(first.cost, float(sum(fleet.base))) > PHASES.dear
 
 
