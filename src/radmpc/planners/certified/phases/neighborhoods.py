@@ -32,8 +32,8 @@ __all__ = ["search_neighborhoods"]
 _LOG = logging.getLogger(__name__)
 
 _LITTLE = 0.02
-"""What a vehicle counts as giving up at least, as a share of what all cost [-]: who gives up
-nothing may stand in the way of others."""
+"""What a vehicle counts as giving up at least: this share of what all cost [-], since who gives up
+nothing may stand in the way of others, and as much effort besides, for plans that cost nothing."""
 
 _SWEEPS = 24
 """Sweeps over the fleet to keep it apart, at most [-]: what led to cheaper plans of `zigzag` missed
