@@ -153,7 +153,7 @@ class Fleet:
 
     @property
     def base(self) -> tuple[float, ...]:
-        """What every vehicle is known to cost at least; builds its program."""
+        """What every vehicle is known to cost at least."""
         costs = self.programs.least_costs()
         return tuple(map(max, costs, self.least_costs)) if self.least_costs else costs
 

@@ -15,6 +15,7 @@ from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import SetProblem, build_problems
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
+from radmpc.program.assembly import DecisionColumns, decision_columns
 from radmpc.program.build import controls_of
 from radmpc.program.hazards import Hazards
 from radmpc.program.program import DisjunctiveProgram
@@ -128,7 +129,7 @@ class SetPrograms:
         for i in range(self.scenario.num_vehicles):
             if limits.reached:
                 return False
-            self.least_cost(i)
+            self.problem((i,))
         return True
 
     def _build_elsewhere(self, limits: Limits, executor: Executor) -> None:
@@ -144,7 +145,9 @@ class SetPrograms:
     def least_cost(self, i: int) -> float:
         """Return what a vehicle costs at least in empty space; 0 where it cannot reach its goal."""
         if i not in self._least_costs:
-            self._least_costs[i] = _cost_without_hazards(self.problem((i,)).program)
+            problem = self._problems.get((i,))
+            columns = decision_columns((self.models[i],)) if problem is None else problem.program
+            self._least_costs[i] = 0.0 if self.is_costless else _least_cost(columns)
         return self._least_costs[i]
 
     def least_costs(self) -> tuple[float, ...]:
@@ -290,9 +293,9 @@ class SetPrograms:
         return tuple(controls[i] for i in range(self.scenario.num_vehicles))
 
 
-def _cost_without_hazards(program: DisjunctiveProgram) -> float:
+def _least_cost(columns: DecisionColumns | DisjunctiveProgram) -> float:
     """Return the least cost of a vehicle in empty space; 0 where it cannot reach its goal."""
-    lp = bounded_lp(program.cost, program.lower, program.upper)
-    lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
+    lp = bounded_lp(columns.cost, columns.lower, columns.upper)
+    lp.add_rows(columns.hard, columns.hard_lower, columns.hard_upper)
     outcome, cost = lp.solve()
     return cost if outcome is LpOutcome.OPTIMAL else 0.0

@@ -19,7 +19,7 @@ from radmpc.planners.certified.rounds import merge_worst
 from radmpc.planners.certified.state.bounds import reported_bound
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
-from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
+from radmpc.planners.certified.turned.tuning import TUNING as TURNED_TUNING
 from radmpc.planners.verdict import Judge
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import relative_gap
@@ -82,7 +82,7 @@ def prove_ahead(
     from radmpc.planners.certified.turned.turning import turn_half_spaces  # noqa: PLC0415 - see above
 
     fleet = fleet.with_limits(fleet.limits.within(TUNING.time_share * fleet.limits.seconds_left))
-    if first.certified < SEARCH_TUNING.budgets.spent * fleet.scenario.risk_bound:
+    if first.certified < TURNED_TUNING.enough * fleet.scenario.risk_bound:
         # Its price was too high, and tells little of what Δ is worth.
         state = turn_half_spaces(fleet, state, judge)
     around = Around(fleet, state, judge)
@@ -90,6 +90,7 @@ def prove_ahead(
         fleet if proof_seconds is None else fleet.with_limits(fleet.limits.within(proof_seconds))
     )
     around.bound_any(timed)
+    around.turn_on()
     gap = relative_gap(around.state.incumbent.cost, around.on_any)
     is_near = gap <= max(TUNING.near, fleet.gap)
     if is_near and not around.is_proven:

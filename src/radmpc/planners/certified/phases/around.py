@@ -15,7 +15,7 @@ from radmpc.planners.certified.rounds import merge_worst
 from radmpc.planners.certified.state.bounds import is_proven
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.turned.large.sides import on_other_sides
-from radmpc.planners.certified.turned.turning import turn_to
+from radmpc.planners.certified.turned.turning import turn_half_spaces, turn_to
 from radmpc.planners.verdict import Judge
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import relative_gap
@@ -39,6 +39,8 @@ class Around:
         No plan that the referee would certify costs less.
     turned_to : tuple of (T, m) array
         The plan of the relaxation that half-spaces were turned to last; empty before.
+    least : float
+        Cost of the plan that was turned until little was gained; inf before.
     price : float or None
         Shadow price of the risk that the relaxation was searched at; None before.
     proven : mapping of tuple of int to mapping of tuple of int to RelaxedSet
@@ -50,6 +52,7 @@ class Around:
     judge: Judge
     on_any: float = 0.0
     turned_to: tuple[Matrix, ...] = ()
+    least: float = float("inf")
     price: float | None = None
     proven: Proven = field(default_factory=dict)
 
@@ -106,11 +109,23 @@ class Around:
         fleet, before = self.fleet, self.state
         other = search.relaxed_controls()
         if not other or not self._promises(search, other):
-            return False
+            return self.turn_on()
         self.turned_to = other
         self.state = turn_to(fleet, before, self.judge, other, self._price())
         now = self.state.incumbent.cost
+        if now < before.incumbent.cost:
+            self.least = now
         return before.incumbent.cost - now > TUNING.little * self.gap * now
+
+    def turn_on(self) -> bool:
+        """Turn the best plan on its own sides, if it leaves risk; tell whether that gains much."""
+        before, risk_bound = self.state.incumbent, self.fleet.scenario.risk_bound
+        left = (before.turned_price or 0.0) * (risk_bound - before.certified)
+        if before.cost >= self.least or left <= TUNING.left * self.fleet.gap * before.cost:
+            return False
+        self.state = turn_half_spaces(self.fleet, self.state, self.judge)
+        now = self.least = self.state.incumbent.cost
+        return before.cost - now > TUNING.little * self.gap * now
 
     def _promises(self, search: BoundSearch, other: tuple[Matrix, ...]) -> bool:
         """Whether a plan of the relaxation has other sides than those that were turned to.

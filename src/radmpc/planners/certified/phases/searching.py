@@ -108,16 +108,9 @@ def searched(
         # What follows builds programs of its own, and may be large.
         hand_back_freed()
     fleet = _fleet(scenario, planner.gap, run, begin, hazards, first.cost)
-    is_built, state = fleet.programs.build_alone(run.limits, run.executor), SearchState.of(fleet)
-    is_dear = is_built and bool(first.controls) and _is_dear(fleet, first)
-    if is_built and first.controls and (is_dear or _is_among_many(fleet)):
-        first = (_cheaper_nearby if is_dear else _on_sides_alone)(fleet, first, run)
-        fleet = replace(fleet, found=_telling(run, first.cost))
-    search = PriceSearch.of(fleet, run.judge, first.cost)
-    if not is_built:
-        return _cut_off(search, state, first, run.limits)
-    on_any = float(sum(fleet.base))
+    state, search = SearchState.of(fleet), PriceSearch.of(fleet, run.judge, first.cost)
     proven: Proven = {}
+    on_any, is_dear = -np.inf, False
     if is_tight and first.controls:
         from radmpc.planners.certified.phases.ahead import prove_ahead  # noqa: PLC0415 - not along intervals
 
@@ -127,6 +120,14 @@ def searched(
         if ahead.is_closed:
             return SearchResult(search, ahead.state, first, None, None, on_any, True)
         state = replace(state, budget_bounds=ahead.state.budget_bounds)
+    if not fleet.programs.build_alone(run.limits, run.executor):
+        return replace(_cut_off(search, state, first, run.limits), on_any=on_any, proven=proven)
+    if not is_tight and first.controls:
+        is_dear = _is_dear(fleet, first)
+        first = _cheaper_first(fleet, first, run, is_dear=is_dear)
+        fleet = replace(fleet, found=_telling(run, first.cost))
+        search = PriceSearch.of(fleet, run.judge, first.cost)
+    on_any = max(on_any, float(sum(fleet.base)))
     if state.budget > 0.0 and not is_dear:
         state = search.run(state)
     # Turning has time of its own, reserved beforehand.
@@ -192,6 +193,15 @@ def _is_among_many(fleet: Fleet) -> bool:
     is_many = len(scenario.obstacles) >= PROOF_TUNING.many_obstacles
     is_many &= scenario.num_vehicles >= PHASES.least_vehicles
     return is_many and not (_is_tight(scenario) or fleet.is_large or scenario.has_windows)
+
+
+def _cheaper_first(
+    fleet: Fleet, first: FleetIncumbent, run: Run, *, is_dear: bool
+) -> FleetIncumbent:
+    """Make a first plan cheaper before the search, where that leads to what the search does not."""
+    if is_dear:
+        return _cheaper_nearby(fleet, first, run)
+    return _on_sides_alone(fleet, first, run) if _is_among_many(fleet) else first
 
 
 def _on_sides_alone(fleet: Fleet, first: FleetIncumbent, run: Run) -> FleetIncumbent:

@@ -89,6 +89,7 @@ class Tuning:
     apart: float = 0.1
     most_apart: float = 0.2
     time_share: float = 0.5
+    left: float = 0.3
     efforts: int = 16
     face_share: float = 0.25
     least_vehicles: int = 6

@@ -29,6 +29,8 @@ class FleetIncumbent:
     turned_price : float or None
         What a little more Δ would save by half-spaces turned to the last plan that had any, per
         unit of probability; None if none had.
+    risk_ratio : float
+        What the risks of those half-spaces summed to, over the certificate [-].
     """
 
     controls: tuple[Matrix, ...] = ()
@@ -37,3 +39,4 @@ class FleetIncumbent:
     union_bound: float = 0.0
     certified: float = 0.0
     turned_price: float | None = None
+    risk_ratio: float = 1.0

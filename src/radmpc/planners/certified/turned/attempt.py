@@ -49,6 +49,8 @@ class Begin:
     is_compared : bool
         Whether beginnings are compared: many obstacles are in the way, and no proof that tells
         better sides follows.
+    is_followed : bool
+        Whether such a proof follows: who costs how much then is asked of the plan that it leads to.
     """
 
     task: Task
@@ -62,11 +64,15 @@ class Begin:
     is_quick: bool = False
     is_hard: bool = False
     is_compared: bool = False
+    is_followed: bool = False
 
     def referring(self, places: Mapping[int, Matrix]) -> Turning:
         """Return half-spaces turned to given positions, for all others to their paths alone."""
+        task, enough = self.task, float("inf")
+        if self.is_followed:
+            enough = TUNING.enough * task.risk_bound
         turning = Turning(
-            self.task, FleetIncumbent(), self.sets, self.price, is_patient=self.is_hard
+            task, FleetIncumbent(), self.sets, self.price, is_patient=self.is_hard, enough=enough
         )
         turning.successive.begin(self.alone.controls)
         for i, path in places.items():

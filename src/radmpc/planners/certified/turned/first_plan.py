@@ -95,7 +95,7 @@ def first_plan(
     to_choose = None if visits is None else visits.to_choose
     is_hard = bool(routes) and largest >= TUNING.many
     # Where few meet, the relaxation tells the sides soon.
-    flags = (is_easy and is_needed, is_easy and is_short, is_hard, is_compared)
+    flags = (is_easy and is_needed, is_easy and is_short, is_hard, is_compared, is_needed)
     begin = Begin(task, alone, routes, sets, price, clearance, to_choose, *flags)
     return tried(begin, rng, task.limits.within(seconds))
 

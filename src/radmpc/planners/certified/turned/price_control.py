@@ -8,7 +8,42 @@ from radmpc.planners.certified.turned.paths import SavedPaths
 from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.records import dataclass
 
-__all__ = ["PriceControl"]
+__all__ = ["PriceControl", "SafePaths", "Taken"]
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """What paths come to.
+
+    Attributes
+    ----------
+    certified : float
+        Their certificate [-].
+    cost : float
+        Their cost.
+    """
+
+    certified: float
+    cost: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SafePaths:
+    """Certified paths that one may go back to.
+
+    Attributes
+    ----------
+    paths : SavedPaths
+        What they are restored from.
+    price : float
+        Of a unit of probability, at which they were planned.
+    certified : float
+        Their certificate [-].
+    """
+
+    paths: SavedPaths
+    price: float
+    certified: float
 
 
 @dataclass(slots=True, eq=False)
@@ -47,7 +82,7 @@ class PriceControl:
     _cheapest: float = float("inf")
     _last_cost: float = float("inf")
     _last_certified: float = float("inf")
-    _safe: tuple[SavedPaths, float] | None = None
+    safe: SafePaths | None = None
     _most: float = float("inf")
 
     def __post_init__(self) -> None:
@@ -66,16 +101,21 @@ class PriceControl:
         """
         self._last_certified = certified
         if certified <= self.risk_bound:
-            self._cheapest, self._safe = cost, (paths, self.price)
+            self._cheapest, self.safe = cost, SafePaths(paths, self.price, certified)
 
     @property
     def is_over(self) -> bool:
         """Whether nothing more is expected of another round."""
-        is_idle = self._safe is not None and self._num_idle >= PRICE_TUNING.most_idle
+        is_idle = self.safe is not None and self._num_idle >= PRICE_TUNING.most_idle
         return is_idle or self.num_stalls >= PRICE_TUNING.max_stalls
 
     def follow(
-        self, certified: float, cost: float, paths: SavedPaths, risk: float = 0.0
+        self,
+        certified: float,
+        cost: float,
+        paths: SavedPaths,
+        risk: float = 0.0,
+        between: Taken | None = None,
     ) -> SavedPaths | None:
         """Choose the next price after a round; return paths to go back to first, if any.
 
@@ -85,30 +125,35 @@ class PriceControl:
             As in `begin`, of the round's.
         risk : float
             What its half-spaces' risks sum to [-].
+        between : Taken or None
+            A certified plan between the last certified paths and the round's, where these risk too
+            much.
         """
-        self._count(certified, cost, risk)
+        self._count(Taken(certified, cost), risk, between)
         is_little = self._is_little(certified, cost)
         self.num_stalls = self.num_stalls + 1 if is_little else 0
         is_over = certified > self.risk_bound
         self._num_over = self._num_over + 1 if is_over else 0
         if not is_over:
             self._cheapest = min(self._cheapest, cost)
-            self._safe = paths, self.price
+            self.safe = SafePaths(paths, self.price, certified)
+        elif between is not None:
+            self._cheapest = min(self._cheapest, between.cost)
         is_lost = (
             certified > PRICE_TUNING.lost * self.risk_bound
             or self._num_over >= PRICE_TUNING.most_over
         )
         is_lost |= is_little and certified > PRICE_TUNING.nearly_spent * self.risk_bound
-        if is_lost and self._safe is not None and self._num_backs < PRICE_TUNING.most_backs:
-            return self._back(*self._safe)
+        if is_lost and self.safe is not None and self._num_backs < PRICE_TUNING.most_backs:
+            return self._back(self.safe)
         self._last_certified, self._last_cost = certified, cost
         ratio = certified / (PRICE_TUNING.aim * self.risk_bound)
         ratio = float(np.clip(ratio, 1.0 / PRICE_TUNING.most_fall, PRICE_TUNING.most_rise))
         self.price *= ratio**PRICE_TUNING.damping
-        if is_over and is_little and self._safe is not None:
+        if is_over and is_little and self.safe is not None:
             self.price *= PRICE_TUNING.nudge
         is_near = certified <= PRICE_TUNING.patient * self.risk_bound
-        if is_over and self._safe is None and (self.is_urgent or not is_near):
+        if is_over and self.safe is None and (self.is_urgent or not is_near):
             # The longer nothing is certified, the less it may cost to wait.
             waited = self._num_over if self.is_urgent else self._num_over - 1
             self.price *= (
@@ -117,36 +162,38 @@ class PriceControl:
         self.price = min(self.price, self._most)
         return None
 
-    def _count(self, certified: float, cost: float, risk: float) -> None:
+    def _count(self, latest: Taken, risk: float, between: Taken | None) -> None:
         """Take note of how much a round gained, and of what others could gain."""
         self._num_rounds += 1
+        certified, cost = latest.certified, latest.cost
         little = PRICE_TUNING.enough * self.gap * abs(cost)
         self._num_idle += 1
-        if certified > self.risk_bound:
+        best = latest if certified <= self.risk_bound else between
+        if best is None:
             return
-        if self._cheapest - cost >= little:
+        if self._cheapest - best.cost >= little:
             self._num_idle = 0
         # What risk does not explain of the last move, and what is left to be risked.
         worth = self.price * max(risk / max(certified, 1e-300), 1.0)
         moved = self._last_cost - cost - worth * (certified - self._last_certified)
-        potential = abs(moved) + worth * (self.risk_bound - certified)
-        is_behind = cost - self.rival > PRICE_TUNING.behind * potential
+        potential = abs(moved) + worth * (self.risk_bound - best.certified)
+        is_behind = best.cost - self.rival > PRICE_TUNING.behind * potential
         is_behind &= self._num_rounds >= PRICE_TUNING.tried
         if is_behind or potential <= PRICE_TUNING.negligible * self.gap * abs(cost):
             self._num_idle = PRICE_TUNING.most_idle
 
-    def _back(self, paths: SavedPaths, price: float) -> SavedPaths:
+    def _back(self, safe: SafePaths) -> SavedPaths:
         """Go on from certified paths at a higher price, the higher the more often."""
         self._num_backs, self._num_over, self.num_stalls = self._num_backs + 1, 0, 0
-        self.price = PRICE_TUNING.dearer**self._num_backs * price
-        self._safe = paths, self.price
+        self.price = PRICE_TUNING.dearer**self._num_backs * safe.price
+        self.safe = SafePaths(safe.paths, self.price, safe.certified)
         self._last_certified, self._last_cost = self.risk_bound, float("inf")
-        return paths
+        return safe.paths
 
     @property
     def _is_waiting(self) -> bool:
         """Whether a certificate that hardly falls as the price rises is not worth more rounds."""
-        return self.is_urgent and self._safe is None
+        return self.is_urgent and self.safe is None
 
     def _is_little(self, certified: float, cost: float) -> bool:
         """Whether a round gained too little."""
@@ -160,4 +207,4 @@ class PriceControl:
         if certified < PRICE_TUNING.spent * self.risk_bound:
             # The price is still falling.
             return is_same
-        return self._cheapest - cost < little
+        return max(self._cheapest, self._last_cost) - cost < little

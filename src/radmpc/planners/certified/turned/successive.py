@@ -154,6 +154,7 @@ class SuccessiveLp:
         order, is_still = range(self.hazards.count), np.zeros(self.hazards.count, dtype=bool)
         # Where other attempts follow, what misses that much is left to them.
         most_missed = TUNING.most_missed * float(self.hazards.radii.sum())
+        is_shared = self.hazards.count <= TUNING.most_together
         for number in range(max_sweeps):
             for i in order:
                 if (limits or self.limits).reached:
@@ -168,7 +169,8 @@ class SuccessiveLp:
                     is_still[i] = moved <= _STAYED and self.missed[i] <= _STAYED
             order = order[::-1]
             missed, previous, cost = float(self.missed.sum()), cost, self.paths.cost()
-            if missed <= _MISSED and abs(previous - cost) <= TUNING.steady * abs(cost):
+            is_steady = is_shared or abs(previous - cost) <= TUNING.steady * abs(cost)
+            if missed <= _MISSED and is_steady:
                 return True
             num_stuck = num_stuck + 1 if missed > 0.9 * least else 0
             least = min(least, missed)

@@ -122,6 +122,9 @@ class Tuning:
         Share of the horizon that the fastest route takes at most, when times are drawn [-].
     first_rounds : int
         Turns at a price of risk for a first plan, at most [-]; it is turned again after the search.
+    enough : float
+        Share of Δ in the certificate of a first plan with which its turning ends where the
+        relaxation is to tell better sides [-].
     first_dear, first_dear_in_mazes : float
         Multiple of the first guess of the price at which these turns begin [-]; where obstacles
         stop most of a large fleet.
@@ -228,6 +231,7 @@ class Tuning:
     easy_share: float = 0.1
     fastest: float = 0.95
     first_rounds: int = 8
+    enough: float = 0.6
     first_dear: float = 3.0
     first_dear_in_mazes: float = 6.0
     first_share: float = 0.5

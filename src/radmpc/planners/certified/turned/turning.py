@@ -18,7 +18,8 @@ from radmpc.planners.certified.turned.large.groups import groups_of
 from radmpc.planners.certified.turned.large.idle import not_idle
 from radmpc.planners.certified.turned.large.side_by_side import share_risk_side_by_side
 from radmpc.planners.certified.turned.large.sides import on_other_sides
-from radmpc.planners.certified.turned.price_control import PriceControl
+from radmpc.planners.certified.turned.price_control import PriceControl, SafePaths, Taken
+from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
@@ -59,6 +60,7 @@ def turn_half_spaces(
     """
     incumbent = state.incumbent
     price = incumbent.turned_price or state.last_unit_price(fleet) / fleet.unit
+    price /= incumbent.risk_ratio
     turning = Turning(task_of(fleet, judge, incumbent.controls), incumbent, incumbent.sets, price)
     turning.successive.begin(incumbent.controls)
     task, paths = turning.task, turning.successive.paths
@@ -97,7 +99,7 @@ def turn_to(
         With a cheaper plan where there is one.
     """
     incumbent, task = state.incumbent, task_of(fleet, judge, controls)
-    turning = Turning(task, incumbent, incumbent.sets, price)
+    turning = Turning(task, incumbent, incumbent.sets, price / incumbent.risk_ratio)
     if task.hazards.count > TUNING.most_together:
         others = on_other_sides(task.hazards, incumbent.controls, controls)
         if not others:
@@ -167,6 +169,8 @@ class Turning:
         Whether vehicles are held that pay for risk where they are.
     is_patient : bool
         Whether a share of the time may be taken, whatever work that is.
+    enough : float
+        Certificate of a plan with which turning ends [-]; inf where it goes on to the best one.
     """
 
     task: Task
@@ -179,6 +183,7 @@ class Turning:
     num_solves: int = 0
     is_partial: bool = False
     is_patient: bool = False
+    enough: float = float("inf")
 
     def __post_init__(self) -> None:
         """Choose who shares a linear program."""
@@ -224,7 +229,8 @@ class Turning:
         waiting = task.limits.within(TUNING.waited_share * left)
         for number in range(rounds):
             some = patient if self.incumbent.controls else waiting
-            if useful.reached or control.is_over or self._has_spent(number, some):
+            is_enough = self.incumbent.certified >= self.enough and self.incumbent.controls
+            if useful.reached or is_enough or control.is_over or self._has_spent(number, some):
                 break
             self.price = control.price
             self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
@@ -234,7 +240,8 @@ class Turning:
                 "certificate %.3g",
                 number + 1, 0.01 * task.risk_bound * self.price, cost, certified,
             )  # fmt: skip
-            back = control.follow(certified, cost, paths.state(), self.risk)
+            between = self._take_between(control.safe, certified)
+            back = control.follow(certified, cost, paths.state(), self.risk, between)
             if back is not None:
                 self.successive.restore(back)
         return self.incumbent
@@ -272,14 +279,34 @@ class Turning:
             self.risk += successive.share_risk(group, *costs)
             self.num_solves += 1
 
+    def _take_between(self, safe: SafePaths | None, certified: float) -> Taken | None:
+        """Keep paths between certified ones and the latest, which risk too much, if they are good.
+
+        Risk is nearly convex in between, so what is linear in it risks hardly more than Δ.
+        """
+        paths, risk_bound = self.successive.paths, self.task.risk_bound
+        if safe is None or certified <= risk_bound or paths.cost() >= self.incumbent.cost:
+            return None
+        share = (PRICE_TUNING.between * risk_bound - safe.certified) / (certified - safe.certified)
+        latest = paths.state()
+        both = zip(safe.paths[0], paths.controls, strict=True)
+        for i, (one, other) in enumerate(both):
+            paths.fly(i, one + share * (other - one))
+        taken = Taken(self._take(), paths.cost())
+        paths.restore(latest)
+        return taken if taken.certified <= risk_bound else None
+
     def _take(self) -> float:
         """Keep the latest paths if they are certified and the cheapest; return the certificate."""
         paths, controls = self.successive.paths, tuple(self.successive.paths.controls)
         certified, cost = self.task.judge(controls).certified, paths.cost()
         if certified <= self.task.risk_bound and cost < self.incumbent.cost:
             ratio = min(self.risk / max(certified, _NOTHING), TUNING.most_ratio)
-            # What most vehicles would still pay for risk is what they paid before.
-            price = self.incumbent.turned_price if self.is_partial else self.price * ratio or None
+            # What most vehicles would still pay for risk is what they paid before, and what paths
+            # that nobody turned would, too.
+            is_known = self.risk > 0.0 and not self.is_partial
+            price = self.price * ratio if is_known else self.incumbent.turned_price
+            ratio = ratio if is_known else self.incumbent.risk_ratio
             self.incumbent = replace(
                 self.incumbent,
                 controls=controls,
@@ -287,6 +314,7 @@ class Turning:
                 certified=certified,
                 sets=self.sets,
                 turned_price=price,
+                risk_ratio=ratio,
             )
             self.task.found(self.incumbent)
         return certified

@@ -68,9 +68,6 @@ class GroupLp:
         The vehicles planned, ascending.
     """
 
-    _num_ends = 2
-    """Ends of windows with columns for what is missed there."""
-
     def __init__(self, hazards: Layout, members: Sequence[int]) -> None:
         self._hazards = hazards
         self.members = tuple(members)
@@ -83,6 +80,8 @@ class GroupLp:
         for slot, model in enumerate(self._models):
             sagitta = model.vehicle.system.sagitta
             self._sagittas[slot, :, : sagitta.shape[1]] = sagitta
+        # At steps nothing is asked for where windows begin.
+        self._num_ends = 2 if hazards.intervals else 1
         self._lp = ExchangeLp()
         starts = [self._add_member(model) for model in self._models]
         self._controls = np.array([first for first, _ in starts])
