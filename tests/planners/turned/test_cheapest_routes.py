@@ -62,7 +62,7 @@ def chosen(
     task = Task(hazards, unjudged, Limits(), 1e-3, scenario.risk_bound, program_alone=program)
     everyone = range(hazards.count)
     told = {"is_quick": is_quick}
-    return cheapest_routes(task, alone.paths, everyone, clearance, price, **told)
+    return cheapest_routes(task, alone, everyone, clearance, price, **told)
 
 
 def unjudged(controls: Sequence[Matrix]) -> Verdict:

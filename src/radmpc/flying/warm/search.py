@@ -13,6 +13,7 @@ from radmpc.flying.warm.kept_lp import KeptLp
 from radmpc.flying.warm.tuning import TUNING
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.turned.half_spaces import half_spaces
+from radmpc.planners.certified.turned.linear.warm_programs import WarmPrograms
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.components import components
@@ -149,7 +150,7 @@ class WarmSearch:
         for program in programs.values():
             program.move(hazards)
         limits = Limits(is_stopped=asked.is_stopped)
-        successive = SuccessiveLp(hazards, limits, programs)
+        successive = SuccessiveLp(hazards, limits, WarmPrograms(hazards, programs))
         successive.begin(asked.controls)
         is_found = (
             self._safer(successive, asked) if asked.is_safest else self._cheaper(successive, asked)

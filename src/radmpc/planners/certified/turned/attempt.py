@@ -10,7 +10,7 @@ from radmpc.arrays import Matrix
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.narrow.route import Route
-from radmpc.planners.certified.turned.paths import Paths
+from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Turning
 from radmpc.program.condensed import CondensedModel
@@ -28,8 +28,8 @@ class Begin:
     ----------
     task : Task
         What is asked.
-    alone : Paths
-        What vehicles do by themselves.
+    alone : SuccessiveLp
+        What vehicles do by themselves, and their linear programs.
     routes : mapping of int to Route
         Routes around obstacles of those that these stop.
     sets : tuple of tuple of int
@@ -54,7 +54,7 @@ class Begin:
     """
 
     task: Task
-    alone: Paths
+    alone: SuccessiveLp
     routes: Mapping[int, Route]
     sets: tuple[tuple[int, ...], ...]
     price: float
@@ -68,13 +68,16 @@ class Begin:
 
     def referring(self, places: Mapping[int, Matrix]) -> Turning:
         """Return half-spaces turned to given positions, for all others to their paths alone."""
-        task, enough = self.task, float("inf")
-        if self.is_followed:
-            enough = TUNING.enough * task.risk_bound
         turning = Turning(
-            task, FleetIncumbent(), self.sets, self.price, is_patient=self.is_hard, enough=enough
+            self.task,
+            FleetIncumbent(),
+            self.sets,
+            self.price,
+            is_patient=self.is_hard,
+            enough=TUNING.enough * self.task.risk_bound if self.is_followed else float("inf"),
+            programs=self.alone.programs,
         )
-        turning.successive.begin(self.alone.controls)
+        turning.successive.begin(self.alone.paths.controls)
         for i, path in places.items():
             turning.successive.refer(i, path)
         return turning

@@ -143,7 +143,7 @@ def _toured(begin: Begin, limits: Limits) -> Iterator[Attempt]:
 
     hazards = begin.task.hazards
     touring = Touring(hazards, begin.to_choose, limits, begin.clearance)
-    if not touring.run(begin.alone, {i: one.corners for i, one in begin.routes.items()}):
+    if not touring.run(begin.alone.paths, {i: one.corners for i, one in begin.routes.items()}):
         return
     is_apart = touring.successive.missed.sum() <= TUNING.nearly * hazards.radii.mean()
     sweeps = 0 if is_apart else TUNING.quick_sweeps

@@ -63,11 +63,12 @@ def first_plan(
     alone = _paths_alone(task, visits)
     if alone is None or task.limits.reached:
         return FleetIncumbent()
-    stopped, is_large = _stopped(hazards, alone), hazards.count > TUNING.few
+    paths, is_large = alone.paths, hazards.count > TUNING.few
+    stopped = _stopped(hazards, paths)
     is_blocked = stopped.size > (TUNING.stopped * hazards.count if is_large else 0)
     is_maze = is_large and is_blocked
     clearance = _clearance(task, is_maze=is_maze)
-    sets = _meeting(hazards, alone, clearance)
+    sets = _meeting(hazards, paths, clearance)
     largest = max(len(members) for members in sets)
     is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
     is_easy = not (is_crowded or is_blocked)
@@ -76,17 +77,17 @@ def first_plan(
     if is_easy and not is_needed and not is_short and (largest == 1 or is_large):
         return FleetIncumbent()
     if is_easy and is_needed and largest == 1:
-        found = _alone(task, alone)
+        found = _alone(task, paths)
         if found.controls:
             return found
     if is_easy and not is_needed and not is_short:
-        is_apart, found = _given_way(task, alone, clearance, sets)
+        is_apart, found = _given_way(task, paths, clearance, sets)
         if is_apart:
             return found
     from radmpc.planners.certified.turned.attempt import Begin  # noqa: PLC0415 - as below
     from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
 
-    price *= _dear(is_maze=is_maze) * alone.cost() / task.risk_bound
+    price *= _dear(is_maze=is_maze) * paths.cost() / task.risk_bound
     is_compared = not is_needed and _is_among_many(hazards, largest)
     sought = price if is_compared else None
     routes = _routes(task, alone, stopped, clearance, sought, is_quick=is_needed)
@@ -129,7 +130,7 @@ def _is_among_many(hazards: Hazards, largest: int) -> bool:
 
 def _routes(
     task: Task,
-    alone: Paths,
+    alone: SuccessiveLp,
     stopped: np.ndarray,
     clearance: float,
     price: float | None,
@@ -152,14 +153,14 @@ def _is_short(task: Task) -> bool:
     return task.limits.seconds_left < each * task.hazards.count
 
 
-def _paths_alone(task: Task, visits: GoodVisits | None) -> Paths | None:
+def _paths_alone(task: Task, visits: GoodVisits | None) -> SuccessiveLp | None:
     """Return what vehicles do by themselves; None where one reaches no goal, or not in time."""
     successive = SuccessiveLp(task.hazards, task.limits)
     if visits is not None and visits.alone is not None:
         successive.begin(visits.alone)
     elif not successive.begin_alone():
         return None
-    return successive.paths
+    return successive
 
 
 def _alone(task: Task, paths: Paths) -> FleetIncumbent:

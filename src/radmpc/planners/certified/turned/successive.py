@@ -8,15 +8,13 @@ keeping its distance, and in groups at a price of risk to share room and risk at
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 
 import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.gaussian import Tail
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
-from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import (
     cheapest_meter,
@@ -51,11 +49,13 @@ class SuccessiveLp:
         The fleet.
     limits : Limits
         When to stop early.
-    programs : mapping of tuple of int to GroupLp
-        Linear programs of groups that exist already.
+    programs : WarmPrograms or None
+        Linear programs of the same fleet to go on with; None is to begin with none.
 
     Attributes
     ----------
+    programs : WarmPrograms
+        Linear programs of groups.
     paths : Paths
         Everyone's latest paths.
     missed : (N,) array
@@ -72,7 +72,7 @@ class SuccessiveLp:
         self,
         hazards: Hazards,
         limits: Limits,
-        programs: Mapping[Group, GroupLp] = MappingProxyType({}),
+        programs: WarmPrograms | None = None,
     ) -> None:
         self.hazards = hazards
         self.limits = limits
@@ -80,7 +80,7 @@ class SuccessiveLp:
         self.missed = np.full(hazards.count, np.inf)
         self.work = 0.0
         self.ahead = Paths(hazards)
-        self._programs = WarmPrograms(hazards, programs)
+        self.programs = WarmPrograms(hazards, {}) if programs is None else programs
         self.meter = cheapest_meter(hazards)
         self._has_visits = any(model.vehicle.via for model in hazards.models)
 
@@ -108,7 +108,7 @@ class SuccessiveLp:
         for i in range(self.hazards.count):
             if self.limits.reached:
                 return False
-            alone = self._programs.of((i,)).alone()
+            alone = self.programs.of((i,)).alone()
             if alone is None:
                 return False
             self.paths.fly(i, alone[0])
@@ -200,7 +200,7 @@ class SuccessiveLp:
         near = Near(clearance, reach, is_refined=False, is_start_given=self._has_visits)
         spaces = half_spaces(self.hazards, self.paths, (i,), near)
         margins = fixed_margins(spaces.deviations, clearance, penalty * self.meter)
-        plan = self._programs.of((i,)).solve(spaces, self.paths, margins)
+        plan = self.programs.of((i,)).solve(spaces, self.paths, margins)
         if plan is not None:
             self.paths.fly(i, plan.controls[0])
             self.missed[i] = plan.shortfall
@@ -219,7 +219,7 @@ class SuccessiveLp:
         """
         reach = float(self.hazards.reaches[list(group)].max())
         before, plan = self.paths.state(), None
-        program = self._programs.of(group)
+        program = self.programs.of(group)
         worked = program.work
         far = far_of(self.hazards.tail, TUNING.compared)
         for _ in range(TUNING.looks):
@@ -269,7 +269,7 @@ class SuccessiveLp:
         groups : sequence of tuple of int
             Those that will.
         """
-        self._programs.forget_all_but(groups)
+        self.programs.forget_all_but(groups)
 
 
 def _risk(spaces: HalfSpaces, tail: Tail) -> float:

@@ -18,6 +18,7 @@ from radmpc.planners.certified.turned.large.groups import groups_of
 from radmpc.planners.certified.turned.large.idle import not_idle
 from radmpc.planners.certified.turned.large.side_by_side import share_risk_side_by_side
 from radmpc.planners.certified.turned.large.sides import on_other_sides
+from radmpc.planners.certified.turned.linear.warm_programs import WarmPrograms
 from radmpc.planners.certified.turned.price_control import PriceControl, SafePaths, Taken
 from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.planners.certified.turned.successive import SuccessiveLp
@@ -171,6 +172,8 @@ class Turning:
         Whether a share of the time may be taken, whatever work that is.
     enough : float
         Certificate of a plan with which turning ends [-]; inf where it goes on to the best one.
+    programs : WarmPrograms or None
+        Linear programs to go on with, see `SuccessiveLp`.
     """
 
     task: Task
@@ -184,11 +187,12 @@ class Turning:
     is_partial: bool = False
     is_patient: bool = False
     enough: float = float("inf")
+    programs: WarmPrograms | None = None
 
     def __post_init__(self) -> None:
         """Choose who shares a linear program."""
         self.groups = groups_of(self.sets, self.task.hazards.count)
-        self.successive = SuccessiveLp(self.task.hazards, self.task.limits)
+        self.successive = SuccessiveLp(self.task.hazards, self.task.limits, self.programs)
 
     def hold_all_but(self, vehicles: frozenset[int]) -> None:
         """Turn only the sets that hold any of these vehicles.

@@ -11,7 +11,6 @@ from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.detours import NARROW, Toll, detours
 from radmpc.planners.certified.turned.grid import Grid
 from radmpc.planners.certified.turned.narrow.route import Route
-from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.records import dataclass, field
@@ -55,7 +54,7 @@ _ENOUGH = 0.1
 
 def cheapest_routes(
     task: Task,
-    alone: Paths,
+    alone: SuccessiveLp,
     stopped: Sequence[int] | Indices,
     clearance: float,
     price: float | None,
@@ -72,8 +71,8 @@ def cheapest_routes(
     ----------
     task : Task
         What is asked.
-    alone : Paths
-        What vehicles do by themselves.
+    alone : SuccessiveLp
+        What vehicles do by themselves, and their linear programs.
     stopped : sequence of int
         Those that obstacles stop.
     clearance : float
@@ -114,8 +113,8 @@ class _Comparison:
     ----------
     task : Task
         What is asked.
-    alone : Paths
-        What vehicles do by themselves.
+    alone : SuccessiveLp
+        What vehicles do by themselves, and their linear programs.
     clearance : float
         Standard deviations that they keep [-].
     most_routes : int
@@ -127,7 +126,7 @@ class _Comparison:
     """
 
     task: Task
-    alone: Paths
+    alone: SuccessiveLp
     clearance: float
     most_routes: int
     best: dict[int, Route] = field(default_factory=dict)
@@ -136,7 +135,7 @@ class _Comparison:
 
     def __post_init__(self) -> None:
         """Begin with nobody on any route."""
-        self._trial = SuccessiveLp(self.task.hazards, self.task.limits)
+        self._trial = SuccessiveLp(self.task.hazards, self.task.limits, self.alone.programs)
 
     def compare_routes(self, grid: Grid, shortest: Mapping[int, Matrix]) -> None:
         """Compare the shortest ways over a grid, until one is good enough."""
@@ -177,12 +176,12 @@ class _Comparison:
     def _ratio(self, vehicle: int) -> float:
         """Return the cost of a vehicle's best route over what it takes without obstacles [-]."""
         misses, cost = self.costs[vehicle]
-        least = float(np.abs(self.alone.controls[vehicle]).sum())
+        least = float(np.abs(self.alone.paths.controls[vehicle]).sum())
         return np.inf if misses else cost / least
 
     def _offer(self, vehicle: int, route: Route) -> float:
         """Keep a route if it is the cheapest of a vehicle; return what is missed there [m]."""
-        self._trial.restore(self.alone.state())
+        self._trial.restore(self.alone.paths.state())
         self._trial.refer(vehicle, route.places)
         best = self.costs.get(vehicle, (True, np.inf))
         missed, effort = self._planned(vehicle, np.inf if best[0] else best[1])

@@ -72,7 +72,7 @@ class OneByOne(SuccessiveLp):
         models = list(self.hazards.models)
         models[vehicle] = model
         self.hazards = replace(self.hazards, models=tuple(models))
-        self._programs.follow(self.hazards, vehicle)
+        self.programs.follow(self.hazards, vehicle)
         self.missed[vehicle] = np.inf
 
     def solo_plan(self, vehicle: int) -> SoloPlan:
