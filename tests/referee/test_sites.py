@@ -75,11 +75,11 @@ def test_choices_of_half_spaces_cost_what_they_cost_alone(seed):
 @pytest.mark.parametrize("seed", range(12))
 def test_what_is_far_away_is_charged_no_less_than_a_closer_look_finds(seed, monkeypatch):
     for batch in batches(random_plan(seed))[1]:
-        found = bounds.instant_risks(batch)
+        found = bounds.instant_risks([batch])[0]
         boxes = bounds._box_risks(batch)
         assert np.all(found <= np.minimum(boxes, 1.0))
         monkeypatch.setattr(bounds, "_FAR", -1.0)
-        closely = bounds.instant_risks(batch)
+        closely = bounds.instant_risks([batch])[0]
         monkeypatch.undo()
         assert np.all(boxes >= closely * (1.0 - 1e-9))
         assert np.all(found <= closely + 1e-20)
@@ -104,7 +104,7 @@ def test_who_is_in_a_box_or_beside_it_is_charged_what_samples_hit(at):
         directions=np.vstack([np.eye(2), -np.eye(2)])[None],
         edges=np.zeros((1, 1, 0, 2, 2)),
     )
-    risk = bounds.instant_risks(encounter)[0, 0]
+    risk = bounds.instant_risks([encounter])[0][0, 0]
     drawn = np.random.default_rng(3).multivariate_normal(at, covariance, 200_000)
     beside = np.maximum(np.abs(drawn) - 1.0, 0.0)
     rate = np.mean(np.linalg.norm(beside, axis=1) < radius)

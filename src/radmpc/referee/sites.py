@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import reduce
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.records import dataclass
 
-__all__ = ["Chords", "Sites", "chords", "over_ends"]
+__all__ = ["Chords", "Sites", "chords", "joined", "joined_rows", "over_ends"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,6 +62,44 @@ class Sites:
             self.edges[chosen],
             self.samples,
         )
+
+
+def joined(every: Sequence[Sites]) -> Sites:
+    """Return sites one after the other, all with as many corners as the one with most.
+
+    Parameters
+    ----------
+    every : sequence of Sites
+        In the plane, with equal ends each.
+    """
+    first = every[0]
+    return Sites(
+        np.concatenate([sites.means for sites in every]),
+        np.concatenate([sites.covariances for sites in every]),
+        first.is_near,
+        np.concatenate([sites.sagittas for sites in every]),
+        np.concatenate([sites.radii for sites in every]),
+        joined_rows([sites.vertices[:, 0] for sites in every])[:, None],
+        np.concatenate([sites.blends for sites in every]),
+        np.concatenate([sites.edges for sites in every]),
+        first.samples,
+    )
+
+
+def joined_rows(every: Sequence[Tensor]) -> Tensor:
+    """Return rows of vectors one after the other, the first of each repeated where there are fewer.
+
+    Parameters
+    ----------
+    every : sequence of (S, V, d) array
+        V is at least 1 in each.
+    """
+    most = max(rows.shape[1] for rows in every)
+    padded = [
+        np.concatenate([rows, np.repeat(rows[:, :1], most - rows.shape[1], axis=1)], axis=1)
+        for rows in every
+    ]
+    return np.concatenate(padded)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

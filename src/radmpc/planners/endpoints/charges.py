@@ -87,7 +87,7 @@ def charges(
         edges=edges[None, None],
         samples=scenario.covariance_samples,
     )
-    risks: Vector = instant_risks(places)[0]
+    risks: Vector = instant_risks([places])[0][0]
     return risks
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
@@ -19,7 +21,7 @@ from radmpc.referee.encounters import (
 )
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.reserve import in_deviations
-from radmpc.referee.sites import Sites
+from radmpc.referee.sites import Sites, joined, joined_rows
 from radmpc.referee.tails import exceeding
 
 __all__ = ["WindowHalfspaces", "instant_risks", "site_risks", "step_risks", "window_halfspaces"]
@@ -28,17 +30,22 @@ _FAR = 1e-24
 """Risk across the line to a box around a set below which no other half-space is tried [-]: all such
 of a thousand vehicles among a hundred obstacles add up to less than anybody asks for."""
 
+_FEW = 400
+"""Sites of all batches together up to which they are looked at in one go [-]."""
+
 _BLOCK = 1_000_000
 """Numbers in the largest array of one block of sites: memory against the calls per block."""
 
 
-def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) -> Vector:
+def step_risks(
+    batches: Sequence[Encounters], motion: FleetMotion, *, intervals: bool
+) -> list[Matrix]:
     """Return an upper bound on the probability of each encounter's collision, step by step.
 
     Parameters
     ----------
-    encounters : Encounters
-        B of them.
+    batches : sequence of Encounters
+        B of them each.
     motion : FleetMotion
         What they were gathered from.
     intervals : bool
@@ -46,12 +53,15 @@ def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) 
 
     Returns
     -------
-    (B, T+1) array
+    list of (B, T+1) array
         Sums over steps bound the probability that the encounter collides at all.
     """
-    found = interval_risks(encounters, motion) if intervals else instant_risks(encounters)
+    if intervals:
+        every = [interval_risks(encounters, motion) for encounters in batches]
+    else:
+        every = instant_risks(batches)
     # What surely happens once need not be charged for more.
-    return np.asarray(found / np.maximum(found.sum(axis=1, keepdims=True), 1.0))
+    return [found / np.maximum(found.sum(axis=1, keepdims=True), 1.0) for found in every]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,26 +113,38 @@ def window_halfspaces(encounters: Encounters, *, intervals: bool) -> WindowHalfs
     return WindowHalfspaces(normals, bounds, chances)
 
 
-def instant_risks(encounters: Encounters) -> Matrix:
-    """Return the risk of every encounter at every step, (B, T+1).
+def instant_risks(batches: Sequence[Encounters]) -> list[Matrix]:
+    """Return the risk of every encounter at every step, (B, T+1) for each batch.
 
     The smaller of the best half-space and, in the plane, the exact probability; of what is far away
     that of the half-space across the line to the box around it.
 
     Parameters
     ----------
-    encounters : Encounters
-        B of them, at steps.
+    batches : sequence of Encounters
+        B of them each, at steps.
     """
-    risks = _box_risks(encounters)
-    near = np.argwhere(risks > _FAR)
-    corners, tried = encounters.vertices.shape[2], encounters.directions.shape[1]
-    size = max(1, _BLOCK // ((tried + 2 * corners) * (corners + 4)))
-    for begin in range(0, len(near), size):
-        rows, steps = near[begin : begin + size].T
-        sites = sites_at(encounters, rows, steps)
-        found, _ = site_risks(sites, encounters.directions[rows])
-        risks[rows, steps] = np.minimum(found, risks[rows, steps])
+    risks = [_box_risks(encounters) for encounters in batches]
+    near = [np.argwhere(found > _FAR) for found in risks]
+    if len(batches) > 1 and sum(map(len, near)) <= _FEW and batches[0].means.shape[2] == 2:
+        # Few sites take as long as one: that goes into calls.
+        looks = zip(batches, near, strict=True)
+        sites = joined([sites_at(one, *places.T) for one, places in looks])
+        looks = zip(batches, near, strict=True)
+        tried = joined_rows([one.directions[places[:, 0]] for one, places in looks])
+        found = np.split(site_risks(sites, tried)[0], np.cumsum([len(n) for n in near])[:-1])
+        for one, places, best in zip(risks, near, found, strict=True):
+            rows, steps = places.T
+            one[rows, steps] = np.minimum(best, one[rows, steps])
+        return risks
+    for encounters, one, places in zip(batches, risks, near, strict=True):
+        corners, directions = encounters.vertices.shape[2], encounters.directions.shape[1]
+        size = max(1, _BLOCK // ((directions + 2 * corners) * (corners + 4)))
+        for begin in range(0, len(places), size):
+            rows, steps = places[begin : begin + size].T
+            sites = sites_at(encounters, rows, steps)
+            best, _ = site_risks(sites, encounters.directions[rows])
+            one[rows, steps] = np.minimum(best, one[rows, steps])
     return risks
 
 

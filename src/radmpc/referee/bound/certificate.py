@@ -172,20 +172,21 @@ def _ledger(scenario: Scenario, motion: FleetMotion) -> tuple[LedgerRow, ...]:
         ("pair", gather_pairs(scenario, motion, intervals=intervals)),
     )
     half_spaces = 3 * scenario.horizon if intervals else scenario.horizon + 1
+    batches = [batch for _, found in gathered for batch in found.batches]
+    risks = iter(step_risks(batches, motion, intervals=intervals))
     for cause, found in gathered:
         for batch in found.batches:
-            risks = step_risks(batch, motion, intervals=intervals)
-            account.charge(cause, batch.first, batch.other, risks)
+            account.charge(cause, batch.first, batch.other, next(risks))
         rest = found.skipped.astype(np.float64) * (half_spaces * cutoff_of(motion.samples)[1])
         account.charge(cause, everyone, None, rest[:, None])
     if scenario.workspace is not None:
-        risks = workspace_risks(scenario.workspace, motion, intervals=intervals)
-        account.charge("workspace", everyone, None, risks)
+        leaving = workspace_risks(scenario.workspace, motion, intervals=intervals)
+        account.charge("workspace", everyone, None, leaving)
     if scenario.keep:
         from radmpc.referee.bound.ranges import range_risks  # noqa: PLC0415 - few keep a range
 
-        pairs, risks = range_risks(scenario, motion, intervals=intervals)
-        account.charge("range", pairs.first, pairs.other, risks)
+        pairs, losing = range_risks(scenario, motion, intervals=intervals)
+        account.charge("range", pairs.first, pairs.other, losing)
     return account.rows(
         tuple(v.name for v in scenario.vehicles), tuple(o.name for o in scenario.obstacles)
     )
