@@ -46,14 +46,14 @@ class KeptLp(GroupLp):
         Whether the last solve found nothing.
     """
 
+    keeps_basis = False
+
     def __init__(
         self, hazards: Hazards, members: Sequence[int], miss_price: float | None = None
     ) -> None:
         self.has_failed = False
         self._miss_price = miss_price
         self._steps = hazards.horizon
-        # At the steps alone only the later ends of windows have rows.
-        self._num_ends = 2 if hazards.intervals else 1
         self._rows_kept = 0
         super().__init__(hazards, members)
         self._first_controls, self._first_positions = self._controls, self._positions

@@ -9,7 +9,15 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Vector
-from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL, optimum, quiet_highs
+from radmpc.solvers.lp.quiet_highs import (
+    FEASIBILITY_TOL,
+    Flags,
+    array_of,
+    basic_of,
+    begin_with,
+    optimum,
+    quiet_highs,
+)
 
 __all__ = ["ExchangeLp"]
 
@@ -19,6 +27,10 @@ _NO_VALUES = np.zeros(0)
 _PIVOTS = 20
 """Pivots per row and column after which a solve is given up [-], beside a thousand, since HiGHS can
 cycle. No solve that ended needed a tenth of it."""
+
+
+_DEVEX = 1
+"""Weights of edges that cost nothing to begin with, for bases that are told."""
 
 
 class ExchangeLp:
@@ -141,6 +153,31 @@ class ExchangeLp:
             numbers = np.arange(first, self.num_columns, dtype=np.int32)
             self._highs.deleteCols(numbers.size, numbers)
             self.num_columns, self._exchanged_columns = first, 0
+
+    def bounds(self) -> tuple[tuple[Vector, Vector], tuple[Vector, Vector]]:
+        """Return lower and upper bounds of all columns, and of all rows."""
+        lp = self._highs.getLp()
+        columns = np.array(lp.col_lower_), np.array(lp.col_upper_)
+        return columns, (np.array(lp.row_lower_), np.array(lp.row_upper_))
+
+    def begin_with(self, columns: Indices, rows: Indices) -> None:
+        """Begin the next solve with a basis, see `quiet_highs.begin_with`.
+
+        Parameters
+        ----------
+        columns, rows : int array
+            Where each is, those exchanged included.
+        """
+        self._highs.setOptionValue("simplex_dual_edge_weight_strategy", _DEVEX)
+        begin_with(self._highs, columns, rows)
+
+    def basic(self) -> tuple[Flags, Flags]:
+        """Return which columns and which rows are basic where the last solve ended."""
+        return basic_of(self._highs, self.num_columns, self.num_rows)
+
+    def activities(self) -> Vector:
+        """Return the left sides of all rows where the last solve ended."""
+        return array_of(self._highs.getSolution().row_value)
 
     def solve(self, seconds: float = np.inf) -> Vector | None:
         """Minimize from where the last solve ended; return all columns, None without an optimum.

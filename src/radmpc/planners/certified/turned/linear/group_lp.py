@@ -12,10 +12,11 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.linear.given import Layout, Places
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
+from radmpc.planners.certified.turned.linear.kept_basis import KeptBasis
 from radmpc.planners.certified.turned.linear.margins import Margins
+from radmpc.planners.certified.turned.linear.parts import FEW, Part, Rows, near_first
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
-from radmpc.records import dataclass
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL
 from radmpc.solvers.solution import Limits
@@ -25,33 +26,11 @@ __all__ = ["NEVER", "GroupLp"]
 
 _INF = float("inf")
 
-_FEW = 256
-"""Half-spaces up to which all are in a program from the first [-]."""
-
-_NEAR = 5.0
-"""Clearance below which the others are [standard deviations]. Programs of 20, 40 and 12 vehicles in
-space (`forest_20agents_3`, `empty_40agents_3`, `swarm(100, 0)`) are solved 2, 2.8 and 3.2 times as
-fast as with all half-spaces at once, 1.5, 2.6 and 2.5 times from 8 on, and from 3 on."""
-
 NEVER = Limits()
 """Nothing is given up."""
 
 _LITTLE = 1e-9
 """Share or length below which a row is left out [-, m]."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Rows:
-    """Rows of half-spaces, r of them: its half-space, its end, the multiple of the sagitta kept."""
-
-    spaces: Indices
-    ends: Indices
-    reserves: Vector
-
-    @property
-    def count(self) -> int:
-        """Number of rows r."""
-        return len(self.spaces)
 
 
 class GroupLp:
@@ -67,6 +46,9 @@ class GroupLp:
     members : sequence of int
         The vehicles planned, ascending.
     """
+
+    keeps_basis = True
+    """Whether a solve begins where the last one ended."""
 
     def __init__(self, hazards: Layout, members: Sequence[int]) -> None:
         self._hazards = hazards
@@ -84,6 +66,9 @@ class GroupLp:
         self._num_ends = 2 if hazards.intervals else 1
         self._lp = ExchangeLp()
         starts = [self._add_member(model) for model in self._models]
+        self._stay = self._lp.num_columns, self._lp.num_rows
+        self._bounds = self._lp.bounds()
+        self._kept: KeptBasis | None = None
         self._controls = np.array([first for first, _ in starts])
         self._positions = np.array([second for _, second in starts])
         self._spans = np.array([model.control_bounds.size for model in self._models])
@@ -145,9 +130,11 @@ class GroupLp:
         """
         self._lp.drop()
         is_in = np.zeros(spaces.count, dtype=bool)
-        added, parts = _near_first(spaces), []
+        added, parts = near_first(spaces), list[Part]()
         while True:
             parts.append(self._add(spaces.of(added), paths, margins.of(added)))
+            if self._kept is not None and len(parts) == 1 and margins.num_columns > 1:
+                self._lp.begin_with(*self._kept.told(parts[0].offered(self._num_ends)))
             values = self._lp.solve(limits.seconds_left)
             if values is None:
                 return None
@@ -155,12 +142,33 @@ class GroupLp:
             added = ~is_in & self._missed(spaces, paths, margins, values)
             if not added.any():
                 break
-        given_up = [part.given_up(values[first:], self._num_ends) for first, part in parts]
+        if self.keeps_basis and margins.num_columns > 1:
+            self._keep(parts, values)
+        given_up = [one.margins.given_up(values[one.first :], self._num_ends) for one in parts]
         missed, risk = np.sum(given_up, axis=0).tolist()
         return GroupPlan(self._controls_of(values), missed, risk)
 
-    def _add(self, spaces: HalfSpaces, paths: Places, margins: Margins) -> tuple[int, Margins]:
-        """Add half-spaces to the program, with what may be given up of them; return its column."""
+    def _keep(self, parts: Sequence[Part], values: Vector) -> None:
+        """Keep where this solve ended."""
+        columns, rows = self._lp.basic()
+        (num_columns, num_rows), active, basic = self._stay, [], []
+        first_row = num_rows
+        for part in parts:
+            offered = part.offered(self._num_ends)
+            active.append(offered.row_keys[~rows[first_row : first_row + part.rows.count]])
+            first_row += part.rows.count
+            size = offered.end_keys.size * part.margins.num_columns
+            given_up = columns[part.first : part.first + size].reshape(*offered.end_keys.shape, -1)
+            basic.append(offered.end_keys[given_up.any(axis=2)])
+        self._kept = KeptBasis.of(
+            (columns[:num_columns], rows[:num_rows]),
+            (values[:num_columns], self._lp.activities()[:num_rows]),
+            self._bounds,
+            (np.concatenate(active), np.concatenate(basic)),
+        )
+
+    def _add(self, spaces: HalfSpaces, paths: Places, margins: Margins) -> Part:
+        """Add half-spaces to the program, with what may be given up of them."""
         lengths = np.full((spaces.count, 2, margins.num_columns), _INF)
         lengths[:, :, :-1] = margins.lengths
         prices = np.full(lengths.shape, margins.penalty)
@@ -168,15 +176,15 @@ class GroupLp:
         used = slice(2 - self._num_ends, 2)
         first = self._lp.extend_columns(prices[:, used].ravel(), lengths[:, used].ravel())
         rights = spaces.offsets + margins.distances
-        laid_out = self._rows(spaces, paths), first
-        self._lp.extend_rows(*self._entries(spaces, paths, rights, laid_out))
-        return first, margins
+        rows = self._rows(spaces, paths)
+        self._lp.extend_rows(*self._entries(spaces, paths, rights, (rows, first)))
+        return Part(spaces, margins, rows, first)
 
     def _missed(
         self, spaces: HalfSpaces, paths: Places, margins: Margins, values: Vector
     ) -> npt.NDArray[np.bool_]:
         """Return which half-spaces a solution leaves less room than they ask for, (w,) array."""
-        if spaces.count <= _FEW:
+        if spaces.count <= FEW:
             return np.zeros(spaces.count, dtype=bool)
         rows = self._rows(spaces, paths)
         rights = spaces.offsets + margins.distances
@@ -193,7 +201,7 @@ class GroupLp:
             found.append((plus - minus).reshape(model.control_bounds.shape))
         return tuple(found)
 
-    def _rows(self, spaces: HalfSpaces, paths: Places) -> _Rows:
+    def _rows(self, spaces: HalfSpaces, paths: Places) -> Rows:
         """Choose the rows: at each end the chord, and where the curve comes closer, its reserve.
 
         With s the sagitta toward the half-space and θ its share, the curve keeps what the chord's
@@ -201,7 +209,7 @@ class GroupLp:
         """
         every = np.arange(spaces.count)
         if not self._hazards.intervals:
-            return _Rows(every, np.ones(spaces.count, dtype=np.int64), np.zeros(spaces.count))
+            return Rows(every, np.ones(spaces.count, dtype=np.int64), np.zeros(spaces.count))
         share = spaces.shares
         spaces_of, ends, reserves = [], [], []
         bends = self._can_bend(spaces, paths)
@@ -212,7 +220,7 @@ class GroupLp:
             spaces_of += [plain, bent]
             ends += [np.full(plain.size + bent.size, end)]
             reserves += [np.zeros(plain.size), 4.0 * np.square(kept[bent])]
-        return _Rows(np.concatenate(spaces_of), np.concatenate(ends), np.concatenate(reserves))
+        return Rows(np.concatenate(spaces_of), np.concatenate(ends), np.concatenate(reserves))
 
     def _can_bend(self, spaces: HalfSpaces, paths: Places) -> np.ndarray:
         """Return whether any controls of the members bring the curve closer than its chord."""
@@ -230,7 +238,7 @@ class GroupLp:
         return np.asarray(most > _LITTLE)
 
     def _entries(
-        self, spaces: HalfSpaces, paths: Places, rights: Matrix, laid_out: tuple[_Rows, int]
+        self, spaces: HalfSpaces, paths: Places, rights: Matrix, laid_out: tuple[Rows, int]
     ) -> tuple[csr_array, Vector]:
         """Return rows over all columns, and their lower bounds."""
         rows, first = laid_out
@@ -270,7 +278,7 @@ class GroupLp:
         return rows_of_entries(*entries, shape), lower
 
     def _bends(
-        self, rows: _Rows, normals: Matrix, windows: Indices, member: tuple[float, Indices, Indices]
+        self, rows: Rows, normals: Matrix, windows: Indices, member: tuple[float, Indices, Indices]
     ) -> Iterator[tuple[Indices, Indices, Vector]]:
         """Yield rows, columns and values of what controls bend paths by where reserves are kept.
 
@@ -286,8 +294,3 @@ class GroupLp:
         for half, turn in ((0, -1.0), (1, 1.0)):
             columns = plus + half * self._spans[slots][:, None]
             yield np.repeat(mine, axes.size), columns.ravel(), (turn * pulls).ravel()
-
-
-def _near_first(spaces: HalfSpaces) -> npt.NDArray[np.bool_]:
-    """Return what a program begins with: all half-spaces if few, else those near the paths."""
-    return np.asarray((spaces.clearances < _NEAR).any(axis=1) | (spaces.count <= _FEW))
