@@ -111,7 +111,9 @@ class Around:
         if not other or not self._promises(search, other):
             return self.turn_on()
         self.turned_to = other
-        self.state = turn_to(fleet, before, self.judge, other, self._price())
+        # The relaxed plan is the best at its price: what half-spaces risk is worth that.
+        price = self._price() / before.incumbent.risk_ratio
+        self.state = turn_to(fleet, before, self.judge, other, price)
         now = self.state.incumbent.cost
         if now < before.incumbent.cost:
             self.least = now

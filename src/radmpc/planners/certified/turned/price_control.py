@@ -109,6 +109,17 @@ class PriceControl:
         is_idle = self.safe is not None and self._num_idle >= PRICE_TUNING.most_idle
         return is_idle or self.num_stalls >= PRICE_TUNING.max_stalls
 
+    def is_settled(self, certified: float, cost: float, risk: float) -> bool:
+        """Tell whether paths hardly move any more but for what they risk.
+
+        Parameters
+        ----------
+        certified, cost, risk
+            As in `follow`.
+        """
+        moved, _ = self._moved(certified, cost, risk)
+        return moved <= PRICE_TUNING.settled * self.gap * abs(cost)
+
     def follow(
         self,
         certified: float,
@@ -169,18 +180,22 @@ class PriceControl:
         little = PRICE_TUNING.enough * self.gap * abs(cost)
         self._num_idle += 1
         best = latest if certified <= self.risk_bound else between
-        if best is None:
-            return
-        if self._cheapest - best.cost >= little:
-            self._num_idle = 0
-        # What risk does not explain of the last move, and what is left to be risked.
-        worth = self.price * max(risk / max(certified, 1e-300), 1.0)
-        moved = self._last_cost - cost - worth * (certified - self._last_certified)
-        potential = abs(moved) + worth * (self.risk_bound - best.certified)
-        is_behind = best.cost - self.rival > PRICE_TUNING.behind * potential
+        moved, worth = self._moved(certified, cost, risk)
+        spent = certified if best is None else best.certified
+        potential = moved + worth * max(self.risk_bound - spent, 0.0)
+        # Paths that risk more than Δ would be dearer still if they did not.
+        is_behind = (cost if best is None else best.cost) - self.rival > PRICE_TUNING.behind * potential
         is_behind &= self._num_rounds >= PRICE_TUNING.tried
-        if is_behind or potential <= PRICE_TUNING.negligible * self.gap * abs(cost):
+        if best is not None and self._cheapest - best.cost >= little:
+            self._num_idle = 0
+        is_spent = best is not None and potential <= PRICE_TUNING.negligible * self.gap * abs(cost)
+        if is_behind or is_spent:
             self._num_idle = PRICE_TUNING.most_idle
+
+    def _moved(self, certified: float, cost: float, risk: float) -> tuple[float, float]:
+        """Return what risk does not explain of the last change of the cost, and what risk costs."""
+        worth = self.price * max(risk / max(certified, 1e-300), 1.0)
+        return abs(self._last_cost - cost - worth * (certified - self._last_certified)), worth
 
     def _back(self, safe: SafePaths) -> SavedPaths:
         """Go on from certified paths at a higher price, the higher the more often."""

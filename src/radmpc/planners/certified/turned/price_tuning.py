@@ -93,6 +93,7 @@ class PriceControlTuning:
     max_stalls: int = 3
     less: float = 0.9
     close: float = 2.0
+    settled: float = 3.0
     between: float = 0.9985
 
 

@@ -154,7 +154,9 @@ class SuccessiveLp:
         order, is_still = range(self.hazards.count), np.zeros(self.hazards.count, dtype=bool)
         # Where other attempts follow, what misses that much is left to them.
         most_missed = TUNING.most_missed * float(self.hazards.radii.sum())
+        # A fleet that shares one program shares its detours there, too, unless gaps are narrow.
         is_shared = self.hazards.count <= TUNING.most_together
+        is_shared &= self.hazards.shapes.count < TUNING.many_obstacles
         for number in range(max_sweeps):
             for i in order:
                 if (limits or self.limits).reached:

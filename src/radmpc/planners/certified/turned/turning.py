@@ -92,7 +92,7 @@ def turn_to(
     controls : tuple of (T, m) array
         Of the other plan, in the scenario's order.
     price : float
-        Shadow price of the risk to begin with, per unit of probability.
+        Cost of what half-spaces risk to begin with, per unit of probability.
 
     Returns
     -------
@@ -100,7 +100,7 @@ def turn_to(
         With a cheaper plan where there is one.
     """
     incumbent, task = state.incumbent, task_of(fleet, judge, controls)
-    turning = Turning(task, incumbent, incumbent.sets, price / incumbent.risk_ratio)
+    turning = Turning(task, incumbent, incumbent.sets, price)
     if task.hazards.count > TUNING.most_together:
         others = on_other_sides(task.hazards, incumbent.controls, controls)
         if not others:
@@ -244,7 +244,8 @@ class Turning:
                 "certificate %.3g",
                 number + 1, 0.01 * task.risk_bound * self.price, cost, certified,
             )  # fmt: skip
-            between = self._take_between(control.safe, certified)
+            is_settled = control.is_settled(certified, cost, self.risk)
+            between = self._take_between(control.safe, certified) if is_settled else None
             back = control.follow(certified, cost, paths.state(), self.risk, between)
             if back is not None:
                 self.successive.restore(back)
