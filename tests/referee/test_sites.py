@@ -16,7 +16,7 @@ from radmpc.referee.encounters import Encounters, interval_sites
 from radmpc.referee.gather import gather_obstacles, gather_pairs
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.propagation import FleetNoise, propagate
-from radmpc.referee.sites import chords
+from radmpc.referee.sites import chords, joined_rows
 
 
 def batches(plan: Plan) -> tuple[FleetMotion, tuple[Encounters, ...]]:
@@ -83,6 +83,23 @@ def test_what_is_far_away_is_charged_no_less_than_a_closer_look_finds(seed, monk
         monkeypatch.undo()
         assert np.all(boxes >= closely * (1.0 - 1e-9))
         assert np.all(found <= closely + 1e-20)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_pairs_and_obstacles_looked_at_in_one_go_risk_what_they_do_one_by_one(seed, monkeypatch):
+    found = batches(random_plan(seed))[1]
+    together = bounds.instant_risks(found)
+    monkeypatch.setattr(bounds, "_FEW", 0)
+    for risks, alone in zip(together, bounds.instant_risks(found), strict=True):
+        assert risks == pytest.approx(alone, rel=1e-9, abs=1e-24)
+    assert [one.shape for one in together] == [one.means.shape[:2] for one in found]
+
+
+def test_rows_that_are_joined_repeat_their_first_vector():
+    one, two = np.arange(6.0).reshape(1, 3, 2), 10.0 + np.arange(2.0).reshape(1, 1, 2)
+    rows = joined_rows([one, two])
+    assert np.array_equal(rows[0], one[0])
+    assert np.array_equal(rows[1], np.repeat(two[0], 3, axis=0))
 
 
 @pytest.mark.parametrize("at", [(0.0, 0.0), (0.9, 0.0), (1.1, 1.1), (1.25, 0.0), (1.8, 1.5)])

@@ -58,7 +58,8 @@ def test_a_first_plan_is_the_answer_where_no_time_is_left_for_a_search(built) ->
     assert result.is_certified
     assert result.plan.stopped_by == "it was stopped on request (Ctrl-C)"
     assert result.cost == pytest.approx(told[-1][0])
-    assert (result.plan.lower_bound, result.plan.certified_lower_bound) == (None, None)
+    # What vehicles cost in empty space is known without any program of theirs.
+    assert 0.0 < result.plan.lower_bound == result.plan.certified_lower_bound < result.cost
     assert certify(result.plan).holds
 
 
@@ -69,6 +70,19 @@ def test_programs_are_built_one_by_one_until_a_limit(built) -> None:
     assert built == [(0,), (1,)]
     assert fleet.programs.build_alone(Limits())
     assert built == [(0,), (1,), (2,), (3,)]
+
+
+def test_a_vehicle_costs_the_same_in_empty_space_with_its_program_or_without(built) -> None:
+    without, fleet = (Fleet.of(paper(4, 0), 1e-3, Limits()) for _ in range(2))
+    costs = without.programs.least_costs()
+    assert built == []
+    assert fleet.programs.build_alone(Limits())
+    assert fleet.programs.least_costs() == pytest.approx(costs, rel=1e-12)
+
+
+def test_a_fleet_that_is_proven_around_its_first_plan_needs_no_program_by_faces(built) -> None:
+    assert plan(paper(4, 0), "certified", rng=0).status is Status.OPTIMAL
+    assert built == []
 
 
 def test_a_vehicle_costs_what_it_does_alone_or_with_its_visits_whichever_is_more() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from radmpc.experiments.families import circle
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
-from radmpc.planners.certified.turned.linear import group_lp
+from radmpc.planners.certified.turned.linear import group_lp, parts
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import priced_margins
@@ -54,9 +54,10 @@ def test_a_program_that_begins_with_near_half_spaces_ends_with_the_solution_of_a
     avoidance: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     hazards, paths, spaces = crowd(avoidance)
-    assert spaces.count > group_lp._FEW
+    assert spaces.count > group_lp.FEW
     some, few_rows = solved(hazards, paths, spaces)
-    monkeypatch.setattr(group_lp, "_FEW", spaces.count)
+    for module in (group_lp, parts):
+        monkeypatch.setattr(module, "FEW", spaces.count)
     every, all_rows = solved(hazards, paths, spaces)
     assert few_rows < all_rows
     assert value(some, hazards) == pytest.approx(value(every, hazards), rel=1e-7)
@@ -64,7 +65,7 @@ def test_a_program_that_begins_with_near_half_spaces_ends_with_the_solution_of_a
 
 def test_a_crowd_is_not_kept_apart_by_near_half_spaces_alone() -> None:
     hazards, paths, spaces = crowd("steps")
-    near = spaces.of(group_lp._near_first(spaces))
+    near = spaces.of(parts.near_first(spaces))
     assert 0 < near.count < spaces.count
     some, _ = solved(hazards, paths, near)
     every, _ = solved(hazards, paths, spaces)

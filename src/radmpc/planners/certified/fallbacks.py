@@ -13,7 +13,7 @@ from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
 from radmpc.planners.certified.turned.tuning import TUNING as TURNING
-from radmpc.planners.certified.turned.turning import plan_by_turning
+from radmpc.planners.certified.turned.turned_plans import plan_by_turning
 from radmpc.planners.certified.within_budget import replan_with_alternatives
 from radmpc.records import dataclass, replace
 

@@ -12,15 +12,12 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_sets
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.nearby import Surroundings
-from radmpc.planners.certified.problem import SetProblem, build_problems
+from radmpc.planners.certified.problem import SetProblem, build_problems, least_cost
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
-from radmpc.program.assembly import DecisionColumns, decision_columns
+from radmpc.program.assembly import decision_columns
 from radmpc.program.build import controls_of
 from radmpc.program.hazards import Hazards
-from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.lp.choosing import bounded_lp
-from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.solution import Limits
 from radmpc.system.memory import hand_back_freed
 
@@ -145,9 +142,9 @@ class SetPrograms:
     def least_cost(self, i: int) -> float:
         """Return what a vehicle costs at least in empty space; 0 where it cannot reach its goal."""
         if i not in self._least_costs:
-            problem = self._problems.get((i,))
-            columns = decision_columns((self.models[i],)) if problem is None else problem.program
-            self._least_costs[i] = 0.0 if self.is_costless else _least_cost(columns)
+            known = self._problems.get((i,))
+            columns = known.program if known else decision_columns((self.models[i],))
+            self._least_costs[i] = 0.0 if self.is_costless else least_cost(columns)
         return self._least_costs[i]
 
     def least_costs(self) -> tuple[float, ...]:
@@ -291,11 +288,3 @@ class SetPrograms:
             models = self.problem(members).models
             controls |= dict(zip(members, controls_of(models, z), strict=True))
         return tuple(controls[i] for i in range(self.scenario.num_vehicles))
-
-
-def _least_cost(columns: DecisionColumns | DisjunctiveProgram) -> float:
-    """Return the least cost of a vehicle in empty space; 0 where it cannot reach its goal."""
-    lp = bounded_lp(columns.cost, columns.lower, columns.upper)
-    lp.add_rows(columns.hard, columns.hard_lower, columns.hard_upper)
-    outcome, cost = lp.solve()
-    return cost if outcome is LpOutcome.OPTIMAL else 0.0

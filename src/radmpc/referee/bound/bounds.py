@@ -126,7 +126,7 @@ def instant_risks(batches: Sequence[Encounters]) -> list[Matrix]:
     """
     risks = [_box_risks(encounters) for encounters in batches]
     near = [np.argwhere(found > _FAR) for found in risks]
-    if len(batches) > 1 and sum(map(len, near)) <= _FEW and batches[0].means.shape[2] == 2:
+    if len(batches) > 1 and 0 < sum(map(len, near)) <= _FEW and batches[0].means.shape[2] == 2:
         # Few sites take as long as one: that goes into calls.
         looks = zip(batches, near, strict=True)
         sites = joined([sites_at(one, *places.T) for one, places in looks])

@@ -37,7 +37,7 @@ def certified(scenario: Scenario, successive: SuccessiveLp) -> float:
     return judge(tuple(successive.paths.controls)).certified
 
 
-def test_two_that_meet_head_on_both_give_way() -> None:
+def test_two_that_meet_head_on_give_way_together() -> None:
     scenario = circle(2)
     successive = alone(scenario)
     begun = successive.paths.means.copy()
@@ -46,7 +46,8 @@ def test_two_that_meet_head_on_both_give_way() -> None:
     assert replan_jointly(successive, CLEARANCE, PRICE, scenario.risk_bound, Limits())
     assert certified(scenario, successive) < scenario.risk_bound
     moved = np.abs(successive.paths.means - begun).max(axis=(1, 2))
-    assert moved.min() > 1e-3
+    # Who gives way how much costs the same: they do by what they need between them.
+    assert moved.sum() > successive.hazards.radii.sum()
 
 
 def test_who_misses_nothing_and_is_in_nobodys_way_stays(tmp_path: Path) -> None:

@@ -79,7 +79,7 @@ def prove_ahead(
         return Ahead(state, min(base, first.cost), True)
     # Who meets nobody costs no more than in empty space, and needs none of this.
     from radmpc.planners.certified.phases.around import Around  # noqa: PLC0415 - see above
-    from radmpc.planners.certified.turned.turning import turn_half_spaces  # noqa: PLC0415 - see above
+    from radmpc.planners.certified.turned.turned_plans import turn_half_spaces  # noqa: PLC0415 - see above
 
     fleet = fleet.with_limits(fleet.limits.within(TUNING.time_share * fleet.limits.seconds_left))
     if first.certified < TURNED_TUNING.enough * fleet.scenario.risk_bound:

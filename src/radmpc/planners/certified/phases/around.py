@@ -15,7 +15,7 @@ from radmpc.planners.certified.rounds import merge_worst
 from radmpc.planners.certified.state.bounds import is_proven
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.turned.large.sides import on_other_sides
-from radmpc.planners.certified.turned.turning import turn_half_spaces, turn_to
+from radmpc.planners.certified.turned.turned_plans import turn_half_spaces, turn_to
 from radmpc.planners.verdict import Judge
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import relative_gap

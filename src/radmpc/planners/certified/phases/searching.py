@@ -11,11 +11,15 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.ended import ended
+from radmpc.planners.certified.phases.course import (
+    is_among_many,
+    is_dear_between_few,
+    is_tight_scene,
+)
 from radmpc.planners.certified.phases.improving import is_searched_nearby
 from radmpc.planners.certified.phases.time_shares import but_for_faces, limits_of_search
 from radmpc.planners.certified.phases.tuning import TUNING as PHASES
 from radmpc.planners.certified.proof.grouping import Proven
-from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.bounds import finite
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
@@ -23,13 +27,12 @@ from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
 from radmpc.planners.certified.turned.first_plan import first_plan
-from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.planner import Planner, Run
 from radmpc.program.build import build_program
 from radmpc.program.hazards import Hazards
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass, field, replace
-from radmpc.solvers.solution import Limits, relative_gap
+from radmpc.solvers.solution import Limits
 from radmpc.system.memory import hand_back_freed
 
 __all__ = ["SearchResult", "searched", "tell"]
@@ -101,7 +104,7 @@ def searched(
         Where no time was left after the first plan, that one, or none.
     """
     begin = limits_of_search(run.limits)
-    is_tight = _is_tight(scenario)
+    is_tight = is_tight_scene(scenario)
     first = _first(scenario, planner.gap, run, begin, hazards, is_needed=is_tight)
     if not is_tight:
         begin = _begin_with(first, scenario, begin, run.limits)
@@ -123,24 +126,33 @@ def searched(
     if not fleet.programs.build_alone(run.limits, run.executor):
         return replace(_cut_off(search, state, first, run.limits), on_any=on_any, proven=proven)
     if not is_tight and first.controls:
-        is_dear = _is_dear(fleet, first)
+        is_dear = is_dear_between_few(fleet, first)
         first = _cheaper_first(fleet, first, run, is_dear=is_dear)
         fleet = replace(fleet, found=_telling(run, first.cost))
         search = PriceSearch.of(fleet, run.judge, first.cost)
     on_any = max(on_any, float(sum(fleet.base)))
     if state.budget > 0.0 and not is_dear:
         state = search.run(state)
-    # Turning has time of its own, reserved beforehand.
-    stopped_by = begin.reason or None
     if state.has_plan or is_dear:
-        return SearchResult(search, state, first, None, stopped_by, on_any, proven=proven)
+        # Turning has time of its own, reserved beforehand.
+        found = SearchResult(search, state, first, None, begin.reason or None)
+    else:
+        limits = begin if first.controls else run.limits
+        found = _by_last_resort(
+            search.with_limits(limits), state, first, is_persistent=is_persistent
+        )
+        found = replace(found, stopped_by=begin.reason or None)
+    return replace(found, on_any=on_any, proven=proven)
+
+
+def _by_last_resort(
+    search: PriceSearch, state: SearchState, first: FleetIncumbent, *, is_persistent: bool
+) -> SearchResult:
+    """Return what else leads to a plan, or why there is none."""
     from radmpc.planners.certified.fallbacks import last_resort  # noqa: PLC0415 - few need it
 
-    limits = begin if first.controls else run.limits
-    last = last_resort(search.with_limits(limits), state, is_persistent=is_persistent)
-    stopped_by = stopped_by or begin.reason or None
-    found = SearchResult(last.search, last.state, first, last.answer, stopped_by, on_any)
-    return replace(found, proven=proven)
+    last = last_resort(search, state, is_persistent=is_persistent)
+    return SearchResult(last.search, last.state, first, last.answer, None)
 
 
 def _begin_with(first: FleetIncumbent, scenario: Scenario, begin: Limits, limits: Limits) -> Limits:
@@ -161,47 +173,13 @@ def _cut_off(
     return SearchResult(search, state, first, answer, limits.reason or None)
 
 
-def _is_tight(scenario: Scenario) -> bool:
-    """Whether the relaxation mostly comes as near to certified plans as is asked, and soon.
-
-    In larger fleets the search over faces takes no longer; among many obstacles this has no end.
-    """
-    is_small = scenario.num_vehicles <= TUNING.few
-    is_small &= len(scenario.obstacles) < max(PROOF_TUNING.many_obstacles, scenario.num_vehicles)
-    is_planar = scenario.dimension == 2 and not scenario.has_windows
-    return scenario.avoidance == "steps" and is_planar and is_small
-
-
-def _is_dear(fleet: Fleet, first: FleetIncumbent) -> bool:
-    """Whether a few vehicles give up much for each other between a few obstacles.
-
-    Sets searched at a price lead nowhere there. Of more vehicles, or among more obstacles, they
-    do, and sooner than neighborhoods.
-    """
-    scenario, count = fleet.scenario, fleet.scenario.num_vehicles
-    is_fit = not (_is_tight(scenario) or scenario.has_windows)
-    is_fit &= 0 < len(scenario.obstacles) < TUNING.many_obstacles and count < TUNING.many
-    # Without a limit a search is to come to its end, whatever that takes.
-    is_fit &= fleet.limits.seconds_left < np.inf
-    is_fit &= max(map(len, first.sets), default=0) >= PHASES.least_together
-    return is_fit and relative_gap(first.cost, float(sum(fleet.base))) > PHASES.dear
-
-
-def _is_among_many(fleet: Fleet) -> bool:
-    """Whether several vehicles go among many obstacles, few enough to look at each."""
-    scenario = fleet.scenario
-    is_many = len(scenario.obstacles) >= PROOF_TUNING.many_obstacles
-    is_many &= scenario.num_vehicles >= PHASES.least_vehicles
-    return is_many and not (_is_tight(scenario) or fleet.is_large or scenario.has_windows)
-
-
 def _cheaper_first(
     fleet: Fleet, first: FleetIncumbent, run: Run, *, is_dear: bool
 ) -> FleetIncumbent:
     """Make a first plan cheaper before the search, where that leads to what the search does not."""
     if is_dear:
         return _cheaper_nearby(fleet, first, run)
-    return _on_sides_alone(fleet, first, run) if _is_among_many(fleet) else first
+    return _on_sides_alone(fleet, first, run) if is_among_many(fleet) else first
 
 
 def _on_sides_alone(fleet: Fleet, first: FleetIncumbent, run: Run) -> FleetIncumbent:
@@ -234,7 +212,7 @@ def _first(
     visits = None
     if scenario.has_windows:
         # The first plan makes its visits at good steps; the search chooses among all.
-        from radmpc.planners.certified.turned.visiting import at_good_visits  # noqa: PLC0415 - few have any
+        from radmpc.planners.certified.turned.touring.visiting import at_good_visits  # noqa: PLC0415 - few have any
 
         visits = at_good_visits(hazards)
     tell_it, risk_bound = partial(_tell_first, run), scenario.risk_bound

@@ -12,7 +12,7 @@ from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.turned.large.sides import on_other_sides
-from radmpc.planners.certified.turned.turning import turn_to
+from radmpc.planners.certified.turned.turned_plans import turn_to
 from radmpc.planners.verdict import Judge
 from radmpc.records import replace
 

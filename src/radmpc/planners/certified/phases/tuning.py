@@ -36,6 +36,9 @@ class Tuning:
         it may come to [-].
     time_share : float
         Share of the time for the search that this may take [-].
+    left : float
+        Share of the gap that the risk which a plan leaves has to be worth for it to be turned once
+        more [-].
     efforts : int
         Rounds of the bound on plans by faces after a search, with twice the nodes of the last one
         each, at most [-].

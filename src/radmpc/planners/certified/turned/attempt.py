@@ -131,10 +131,12 @@ class Attempt:
         """
         successive = self.turning.successive
         if not self.is_placed:
-            is_quick = self.sweeps < TUNING.max_sweeps
-            return successive.keep_apart(
-                clearance, self.sweeps, limits, self.penalty, is_quick=is_quick
-            )
+            is_quick, hazards = self.sweeps < TUNING.max_sweeps, successive.hazards
+            # In narrow gaps detours are better shared before.
+            is_shared = hazards.count <= TUNING.most_together
+            is_shared &= hazards.shapes.count < TUNING.many_obstacles
+            told = clearance, self.sweeps, limits, self.penalty
+            return successive.keep_apart(*told, is_quick=is_quick, is_shared=is_shared)
         from radmpc.planners.certified.turned.narrow.at_pace import keep_places  # noqa: PLC0415 - few need it
         from radmpc.planners.certified.turned.narrow.mending import mended  # noqa: PLC0415 - few need it
 

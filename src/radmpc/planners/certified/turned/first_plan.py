@@ -21,7 +21,7 @@ from radmpc.solvers.compiled_code import is_compiled
 
 if TYPE_CHECKING:
     from radmpc.planners.certified.turned.narrow.route import Route
-    from radmpc.planners.certified.turned.visiting import GoodVisits
+    from radmpc.planners.certified.turned.touring.visiting import GoodVisits
 
 __all__ = ["first_plan"]
 
@@ -63,8 +63,8 @@ def first_plan(
     alone = _paths_alone(task, visits)
     if alone is None or task.limits.reached:
         return FleetIncumbent()
-    paths, is_large = alone.paths, hazards.count > TUNING.few
-    stopped = _stopped(hazards, paths)
+    paths, stopped = alone.paths, _stopped(hazards, alone.paths)
+    is_large = hazards.count > TUNING.few
     is_blocked = stopped.size > (TUNING.stopped * hazards.count if is_large else 0)
     is_maze = is_large and is_blocked
     clearance = _clearance(task, is_maze=is_maze)
@@ -89,10 +89,9 @@ def first_plan(
 
     price *= _dear(is_maze=is_maze) * paths.cost() / task.risk_bound
     is_compared = not is_needed and _is_among_many(hazards, largest)
-    sought = price if is_compared else None
-    routes = _routes(task, alone, stopped, clearance, sought, is_quick=is_needed)
-    is_aside = is_easy and not (is_needed or is_short)
-    seconds = _seconds(task, is_aside=is_aside, is_maze=is_maze)
+    sought = clearance, price if is_compared else None
+    routes = _routes(task, alone, stopped, *sought, is_quick=is_needed)
+    seconds = _seconds(task, is_aside=is_easy and not (is_needed or is_short), is_maze=is_maze)
     to_choose = None if visits is None else visits.to_choose
     is_hard = bool(routes) and largest >= TUNING.many
     # Where few meet, the relaxation tells the sides soon.

@@ -17,7 +17,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.turning import plan_by_turning
+from radmpc.planners.certified.turned.turned_plans import plan_by_turning
 from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.verdict import Judge
 from radmpc.solvers.branch.branch import Branch

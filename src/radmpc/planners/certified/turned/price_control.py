@@ -67,6 +67,8 @@ class PriceControl:
         Whether rounds take so long that a first plan is worth more than a cheap one.
     num_stalls : int
         Rounds in a row that gained too little.
+    safe : SafePaths or None
+        The last certified paths of a round; None before.
     """
 
     price: float
@@ -109,7 +111,7 @@ class PriceControl:
         is_idle = self.safe is not None and self._num_idle >= PRICE_TUNING.most_idle
         return is_idle or self.num_stalls >= PRICE_TUNING.max_stalls
 
-    def is_settled(self, certified: float, cost: float, risk: float) -> bool:
+    def has_nearly_stopped(self, certified: float, cost: float, risk: float) -> bool:
         """Tell whether paths hardly move any more but for what they risk.
 
         Parameters
@@ -118,7 +120,7 @@ class PriceControl:
             As in `follow`.
         """
         moved, _ = self._moved(certified, cost, risk)
-        return moved <= PRICE_TUNING.settled * self.gap * abs(cost)
+        return moved <= PRICE_TUNING.little * self.gap * abs(cost)
 
     def follow(
         self,
@@ -179,12 +181,13 @@ class PriceControl:
         certified, cost = latest.certified, latest.cost
         little = PRICE_TUNING.enough * self.gap * abs(cost)
         self._num_idle += 1
-        best = latest if certified <= self.risk_bound else between
+        is_over = certified > self.risk_bound
+        best = between if is_over else latest
         moved, worth = self._moved(certified, cost, risk)
-        spent = certified if best is None else best.certified
-        potential = moved + worth * max(self.risk_bound - spent, 0.0)
         # Paths that risk more than Δ would be dearer still if they did not.
-        is_behind = (cost if best is None else best.cost) - self.rival > PRICE_TUNING.behind * potential
+        told = latest if best is None else best
+        potential = moved + worth * max(self.risk_bound - told.certified, 0.0)
+        is_behind = told.cost - self.rival > PRICE_TUNING.behind * potential
         is_behind &= self._num_rounds >= PRICE_TUNING.tried
         if best is not None and self._cheapest - best.cost >= little:
             self._num_idle = 0

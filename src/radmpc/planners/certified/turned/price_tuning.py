@@ -68,6 +68,13 @@ class PriceControlTuning:
         Share of the last certificate that a round must come below while far above Δ [-].
     close : float
         Multiple of Δ up to which a certificate above it is left for the price to repair [-].
+    little : float
+        Multiple of the gap by which the cost may move, what risk explains aside, for a plan between
+        the last certified paths and those that risk too much to be looked at [-]: `paper(8)` takes
+        45 turns on ten draws, 48 with 1, and among a hundred boxes that certificate takes as long
+        as another turn.
+    between : float
+        Share of Δ that such a plan is to risk by what is linear between both [-].
     """
 
     aim: float = 0.985
@@ -93,7 +100,7 @@ class PriceControlTuning:
     max_stalls: int = 3
     less: float = 0.9
     close: float = 2.0
-    settled: float = 3.0
+    little: float = 3.0
     between: float = 0.9985
 
 

@@ -128,6 +128,7 @@ class SuccessiveLp:
         first_penalty: float = TUNING.first_penalty,
         *,
         is_quick: bool = False,
+        is_shared: bool = False,
     ) -> bool:
         """Plan one vehicle after the other until all keep a clearance, or nothing helps.
 
@@ -144,6 +145,10 @@ class SuccessiveLp:
         is_quick : bool
             Whether it is left where so much is missed that it leads to nothing, as a rule.
 
+        is_shared : bool
+            Whether a program of all follows, in which they share detours: until then it is enough
+            that nobody misses anything.
+
         Returns
         -------
         bool
@@ -154,9 +159,6 @@ class SuccessiveLp:
         order, is_still = range(self.hazards.count), np.zeros(self.hazards.count, dtype=bool)
         # Where other attempts follow, what misses that much is left to them.
         most_missed = TUNING.most_missed * float(self.hazards.radii.sum())
-        # A fleet that shares one program shares its detours there, too, unless gaps are narrow.
-        is_shared = self.hazards.count <= TUNING.most_together
-        is_shared &= self.hazards.shapes.count < TUNING.many_obstacles
         for number in range(max_sweeps):
             for i in order:
                 if (limits or self.limits).reached:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -14,7 +15,7 @@ from radmpc.planners.certified.turned.linear.given import Layout, Places
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.kept_basis import KeptBasis
 from radmpc.planners.certified.turned.linear.margins import Margins
-from radmpc.planners.certified.turned.linear.parts import FEW, Part, Rows, near_first
+from radmpc.planners.certified.turned.linear.parts import FEW, Entered, Rows, near_first
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
@@ -130,11 +131,11 @@ class GroupLp:
         """
         self._lp.drop()
         is_in = np.zeros(spaces.count, dtype=bool)
-        added, parts = near_first(spaces), list[Part]()
+        added, parts = near_first(spaces), list[Entered]()
         while True:
             parts.append(self._add(spaces.of(added), paths, margins.of(added)))
             if self._kept is not None and len(parts) == 1 and margins.num_columns > 1:
-                self._lp.begin_with(*self._kept.told(parts[0].offered(self._num_ends)))
+                self._lp.begin_with(*self._kept.in_program(parts[0].offered(self._num_ends)))
             values = self._lp.solve(limits.seconds_left)
             if values is None:
                 return None
@@ -148,7 +149,7 @@ class GroupLp:
         missed, risk = np.sum(given_up, axis=0).tolist()
         return GroupPlan(self._controls_of(values), missed, risk)
 
-    def _keep(self, parts: Sequence[Part], values: Vector) -> None:
+    def _keep(self, parts: Sequence[Entered], values: Vector) -> None:
         """Keep where this solve ended."""
         columns, rows = self._lp.basic()
         (num_columns, num_rows), active, basic = self._stay, [], []
@@ -157,8 +158,8 @@ class GroupLp:
             offered = part.offered(self._num_ends)
             active.append(offered.row_keys[~rows[first_row : first_row + part.rows.count]])
             first_row += part.rows.count
-            size = offered.end_keys.size * part.margins.num_columns
-            given_up = columns[part.first : part.first + size].reshape(*offered.end_keys.shape, -1)
+            shape = (*offered.end_keys.shape, part.margins.num_columns)
+            given_up = columns[part.first : part.first + math.prod(shape)].reshape(shape)
             basic.append(offered.end_keys[given_up.any(axis=2)])
         self._kept = KeptBasis.of(
             (columns[:num_columns], rows[:num_rows]),
@@ -167,7 +168,7 @@ class GroupLp:
             (np.concatenate(active), np.concatenate(basic)),
         )
 
-    def _add(self, spaces: HalfSpaces, paths: Places, margins: Margins) -> Part:
+    def _add(self, spaces: HalfSpaces, paths: Places, margins: Margins) -> Entered:
         """Add half-spaces to the program, with what may be given up of them."""
         lengths = np.full((spaces.count, 2, margins.num_columns), _INF)
         lengths[:, :, :-1] = margins.lengths
@@ -178,7 +179,7 @@ class GroupLp:
         rights = spaces.offsets + margins.distances
         rows = self._rows(spaces, paths)
         self._lp.extend_rows(*self._entries(spaces, paths, rights, (rows, first)))
-        return Part(spaces, margins, rows, first)
+        return Entered(spaces, margins, rows, first)
 
     def _missed(
         self, spaces: HalfSpaces, paths: Places, margins: Margins, values: Vector

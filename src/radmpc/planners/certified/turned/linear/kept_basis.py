@@ -104,7 +104,7 @@ class KeptBasis:
         bounded = np.flatnonzero(is_basic[0] & np.isfinite(room))
         return cls(columns, rows, nearest, bounded[room[bounded].argsort()], *exchanged)
 
-    def told(self, offered: Offered) -> tuple[Indices, Indices]:
+    def in_program(self, offered: Offered) -> tuple[Indices, Indices]:
         """Return where all columns and rows are in a program with the same of them that stay.
 
         Parameters

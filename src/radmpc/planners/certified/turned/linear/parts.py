@@ -11,7 +11,7 @@ from radmpc.planners.certified.turned.linear.kept_basis import Offered
 from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.records import dataclass
 
-__all__ = ["FEW", "Part", "Rows", "near_first"]
+__all__ = ["FEW", "Entered", "Rows", "near_first"]
 
 FEW = 256
 """Half-spaces up to which all are in a program from the first [-]."""
@@ -45,7 +45,7 @@ class Rows:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
+class Entered:
     """Half-spaces that entered a program together.
 
     Attributes
