@@ -111,8 +111,8 @@ class Around:
         if not other or not self._promises(search, other):
             return self.turn_on()
         self.turned_to = other
-        # The relaxed plan is the best at its price: what half-spaces risk is worth that.
-        price = self._price() / before.incumbent.risk_ratio
+        incumbent = before.incumbent
+        price = (incumbent.turned_price or self._guess()) / incumbent.risk_ratio
         self.state = turn_to(fleet, before, self.judge, other, price)
         now = self.state.incumbent.cost
         if now < before.incumbent.cost:
@@ -167,6 +167,10 @@ class Around:
         self.state = bound_faces(self.fleet, self.state, price, self.most_nodes, self.proven)
 
     def _price(self) -> float:
-        """Return what Δ was worth to the plan at hand when it was turned last, or a guess."""
-        guess = self.fleet.first_unit_price(self.state.budget) / self.fleet.unit
-        return self.state.incumbent.turned_price or guess
+        """Return a price for the relaxation: near what Δ is worth to the plan at hand."""
+        turned = self.state.incumbent.turned_price
+        return TUNING.price_share * turned if turned else self._guess()
+
+    def _guess(self) -> float:
+        """Return what Δ may be worth where no plan was turned yet."""
+        return self.fleet.first_unit_price(self.state.budget) / self.fleet.unit
