@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite
-from operator import itemgetter
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +18,7 @@ if is_compiled():
 
 __all__ = ["BranchingChoice"]
 
-_MISSED = itemgetter(0)
+_INF = float("inf")
 
 _FACTORS = np.array([TUNING.second_weight, TUNING.missing_factor, TUNING.missing_length])
 """As compiled code takes them (`choose_avoidance`)."""
@@ -49,6 +47,7 @@ class BranchingChoice:
         self._owners, self._outer = self._owner.data, self._parents.data
         self._is_refined = np.zeros(program.num_alternatives, dtype=bool)
         self._is_refined[self._parents[self._parents >= 0]] = True
+        self._steps: dict[tuple[int, int], list[int]] = {}
 
     def failed(self, alternative: int) -> None:
         """Note that choosing an alternative ended a branch."""
@@ -123,12 +122,21 @@ class BranchingChoice:
         rating : Rating
             Of the node's point.
         """
-        pairs = zip(rating.short[avoidance].tolist(), self._table[avoidance].tolist(), strict=True)
+        outer = -1
+        for alternative in chosen:
+            if self._owners[alternative] == avoidance:
+                outer = alternative
+                break
+        steps = self._steps.get((avoidance, outer))
+        if steps is None:
+            every = self._table[avoidance].tolist()
+            steps = self._steps[avoidance, outer] = [self._step_to(a, outer) for a in every]
+        missed = rating.short[avoidance].tolist()
         # By what is missed alone: where two miss as much, the first stays first.
-        order = sorted(((miss, a) for miss, a in pairs if isfinite(miss)), key=_MISSED)
-        proper = [a for _, a in order]
-        outer = next((c for c in chosen if self._owners[c] == avoidance), -1)
-        return tuple(dict.fromkeys(inner for p in proper for inner in self._step_to(p, outer)))
+        order = sorted(range(len(missed)), key=missed.__getitem__)
+        found = dict.fromkeys(steps[k] for k in order if missed[k] < _INF)
+        found.pop(-1, None)
+        return tuple(found)
 
     def replaced(self, chosen: tuple[int, ...], alternative: int) -> tuple[int, ...]:
         """Return a node's alternatives with one more, in place of the one that it refines.
@@ -143,10 +151,8 @@ class BranchingChoice:
         outer = self._outer[alternative]
         return (*(c for c in chosen if c != outer), alternative)
 
-    def _step_to(self, alternative: int, outer: int) -> tuple[int, ...]:
-        """Return the next step from an alternative to one that it refines; none if not."""
-        while self._outer[alternative] != outer:
+    def _step_to(self, alternative: int, outer: int) -> int:
+        """Return the next step from an alternative to one that it refines; -1 if it does not."""
+        while alternative >= 0 and self._outer[alternative] != outer:
             alternative = self._outer[alternative]
-            if alternative < 0:
-                return ()
-        return (alternative,)
+        return alternative

@@ -217,26 +217,25 @@ class RiskTree:
         self.nodes += 1
         node.is_solved = True
         if node.bound < self._cutoff():
-            self.lp.activate(node.chosen)
-            self.lp.begin_with(node.basis)
+            lp, choice = self.lp, self._choice
+            lp.activate(node.chosen)
+            lp.begin_with(node.basis)
             for attempt in range(self.rounds):
-                outcome = self._relax(node)
+                outcome = self._relax(node, lp)
                 if outcome is LpOutcome.INFEASIBLE:
                     return
                 if outcome is not LpOutcome.OPTIMAL:
                     self._unsolved += [node] * (outcome is LpOutcome.FAILED)
                     break
-                point = self.lp.point()
+                point = lp.point()
                 z = point[: self.program.num_columns]
                 rating = self.rater.rate(z)
-                self._note(z, rating)
-                worth = self._worth(z, rating)
+                worth = self._note(z, rating)
                 epsilon = negligible_difference(min(worth, self.value), self.gap, self.scale)
                 if worth - node.bound <= epsilon:
                     break
-                avoidance, is_blunt = self._choice.most_promising(
-                    node.chosen, rating, has_plan=self.best is not None
-                )
+                has_plan = self.best is not None
+                avoidance, is_blunt = choice.most_promising(node.chosen, rating, has_plan=has_plan)
                 # Far from any plan, an exact account of the risks chosen so far can wait.
                 tolerance = (3.0 if is_blunt else 0.5) * epsilon
                 is_last = attempt >= (1 if is_blunt else self.rounds - 1)
@@ -244,17 +243,17 @@ class RiskTree:
                     continue
                 if avoidance is None:
                     break
-                node.alternatives = self._choice.alternatives(avoidance, node.chosen, rating)
-                node.basis = self.lp.basis()
+                node.alternatives = choice.alternatives(avoidance, node.chosen, rating)
+                node.basis = lp.basis()
                 return
         node.is_open = True
         self._parked.append(node)
 
-    def _relax(self, node: Node) -> LpOutcome:
+    def _relax(self, node: Node, lp: RiskLp) -> LpOutcome:
         """Solve a node's linear program and raise its bound; cut off where it cannot matter."""
         cutoff = self._cutoff()
         # A little beyond the cutoff, so that the bound still serves at a higher price.
-        outcome, bound = self.lp.solve(cutoff + TUNING.headroom * abs(cutoff))
+        outcome, bound = lp.solve(cutoff + TUNING.headroom * abs(cutoff))
         if outcome is not LpOutcome.OPTIMAL and node.chosen:
             self._choice.failed(node.chosen[-1])
         node.bound = max(node.bound, bound)
@@ -274,13 +273,14 @@ class RiskTree:
             self.program, z, rating, unit=self.unit, price=self.price, row_cap=row_cap
         )
 
-    def _note(self, z: Vector, rating: Rating) -> None:
-        """Keep a point if it is the best."""
+    def _note(self, z: Vector, rating: Rating) -> float:
+        """Keep a point if it is the best; return its value."""
         value = self._worth(z, rating)
         if value < self.value:
             cost = float(self.program.cost @ z)
             self.best = Incumbent(z, rating.selection, cost, rating.risk)
             self.value = value
+        return value
 
     def _cutoff(self) -> float:
         """Return the value from which on a node cannot matter."""
