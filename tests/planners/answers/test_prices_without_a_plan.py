@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from radmpc.experiments.families import circle
-from radmpc.model.plan import Plan
 from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.planners.outcome import record
 from radmpc.planners.presets import parse_planner
+from radmpc.planning import plan
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
-from radmpc.referee import Certificate, certify
+from radmpc.referee import certify
 from radmpc.referee.propagation import FleetNoise
 
 SCENARIO = circle(4)
@@ -123,29 +123,43 @@ def test_a_certificate_just_above_the_bound_calls_for_a_higher_price_not_for_goi
 
 
 def test_the_referee_is_asked_once_for_what_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    judged = []
+    asked = []
+    ledger_under = record.ledger_under
 
-    def judge(plan: Plan, noise: FleetNoise) -> Certificate:
-        assert noise.scenario is plan.scenario
-        judged.append(plan)
-        return certify(plan)
+    def judge(noise: FleetNoise, controls: tuple[np.ndarray, ...]):
+        assert noise.scenario is SCENARIO
+        asked.append(controls)
+        return ledger_under(noise, controls)
 
-    monkeypatch.setattr(record, "judged", judge)
+    monkeypatch.setattr(record, "ledger_under", judge)
     referee = record.Certifying(SCENARIO, parse_planner("certified"))
 
     def of(push: float) -> tuple[np.ndarray, ...]:
         return tuple(np.full((SCENARIO.horizon, 2), push) for _ in SCENARIO.vehicles)
 
-    first = referee(of(0.01))
-    assert referee(of(0.01)) is first
-    assert referee.verdict(of(0.01)).certified == first.certified
-    assert len(judged) == 1
+    first = referee.verdict(of(0.01))
+    assert referee.verdict(of(0.01)) is first
+    assert referee(of(0.01)).certified == first.certified
+    assert len(asked) == 1
     for number in range(20):
-        assert referee(of(0.02 + 0.001 * number)).certified == certify(judged[-1]).certified
-    assert len(judged) == 21
+        referee.verdict(of(0.02 + 0.001 * number))
+    assert len(asked) == 21
     # What was asked long ago is asked again.
-    referee(of(0.01))
-    assert len(judged) == 22
+    referee.verdict(of(0.01))
+    assert len(asked) == 22
+
+
+def test_what_planners_are_told_is_what_a_certificate_of_the_plan_says() -> None:
+    found = plan(SCENARIO, "certified", rng=0)
+    controls = tuple(t.controls for t in found.plan.trajectories)
+    referee, certificate = (
+        record.Certifying(SCENARIO, parse_planner("certified")),
+        certify(found.plan),
+    )
+    told = referee.verdict(controls)
+    assert (told.certified, told.ledger) == (certificate.certified, certificate.ledger)
+    assert referee(controls).holds
+    assert referee(controls).saturation == certificate.saturation
 
 
 def test_placing_vehicles_asks_at_every_tick_whether_to_stop() -> None:

@@ -10,14 +10,14 @@ from importlib.metadata import PackageNotFoundError, version
 import numpy as np
 import scipy
 
-from radmpc.arrays import Matrix, Tensor
+from radmpc.arrays import Matrix
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.planners.draft import Draft
-from radmpc.planners.outcome.trajectories import cost_of, covariances_of, trajectories_of
+from radmpc.planners.outcome.trajectories import cost_of, trajectories_of
 from radmpc.planners.planner import Planner
 from radmpc.planners.verdict import Verdict
-from radmpc.referee.bound.certificate import Certificate, judged
+from radmpc.referee.bound.certificate import Certificate, judged, ledger_under
 from radmpc.referee.propagation import FleetNoise
 from radmpc.version import __version__
 
@@ -42,26 +42,16 @@ class Certifying:
 
     def __init__(self, scenario: Scenario, planner: Planner) -> None:
         self._of = scenario, planner
-        self._latest: dict[bytes, Certificate] = {}
+        self._latest: dict[bytes, Verdict] = {}
 
     def __call__(self, controls: tuple[Matrix, ...]) -> Certificate:
         """Return the certificate of every vehicle's controls, in the scenario's order."""
-        key = b"".join(each.tobytes() for each in controls)
-        if key not in self._latest:
-            if len(self._latest) >= _REMEMBERED:
-                del self._latest[next(iter(self._latest))]
-            scenario, planner = self._of
-            trajectories = trajectories_of(scenario, controls, self._covariances)
-            everyone = (tuple(range(scenario.num_vehicles)),)
-            draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
-            unjudged = plan_of(scenario, planner, None, draft, trajectories, None, {})
-            self._latest[key] = judged(unjudged, self._noise)
-        return self._latest[key]
-
-    @cached_property
-    def _covariances(self) -> tuple[Tensor, ...]:
-        """Those of every vehicle, whatever the controls."""
-        return covariances_of(self._of[0])
+        scenario, planner = self._of
+        everyone = (tuple(range(scenario.num_vehicles)),)
+        draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
+        trajectories = trajectories_of(scenario, controls)
+        unjudged = plan_of(scenario, planner, None, draft, trajectories, None, {})
+        return judged(unjudged, self._noise, self.verdict(controls).ledger)
 
     @cached_property
     def _noise(self) -> FleetNoise:
@@ -69,9 +59,13 @@ class Certifying:
         return FleetNoise.of(self._of[0])
 
     def verdict(self, controls: tuple[Matrix, ...]) -> Verdict:
-        """Return what planners need of it."""
-        said = self(controls)
-        return Verdict(said.certified, said.ledger)
+        """Return what planners need of it: what the plan risks, and where."""
+        key = b"".join(each.tobytes() for each in controls)
+        if key not in self._latest:
+            if len(self._latest) >= _REMEMBERED:
+                del self._latest[next(iter(self._latest))]
+            self._latest[key] = Verdict(*ledger_under(self._noise, controls))
+        return self._latest[key]
 
 
 def plan_of(

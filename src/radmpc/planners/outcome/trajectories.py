@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor
+from radmpc.arrays import Matrix
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["cost_of", "covariances_of", "trajectories_of"]
+__all__ = ["cost_of", "trajectories_of"]
 
 
 def trajectories_of(
-    scenario: Scenario,
-    controls_of_all: tuple[Matrix, ...],
-    covariances: Sequence[Tensor] | None = None,
+    scenario: Scenario, controls_of_all: tuple[Matrix, ...]
 ) -> tuple[Trajectory, ...]:
     """Return what follows from the controls.
 
@@ -28,12 +24,9 @@ def trajectories_of(
         The fleet.
     controls_of_all : tuple of (T, m) array
         In the scenario's order; empty of no plan.
-    covariances : sequence of (T+1, n, n) array or None
-        Of every vehicle's state, if at hand (`covariances_of`).
     """
     if not controls_of_all:
         return ()
-    known = covariances_of(scenario) if covariances is None else covariances
     return tuple(
         Trajectory(
             name=vehicle.name,
@@ -41,22 +34,11 @@ def trajectories_of(
             means=rollout(
                 vehicle.system, vehicle.start, controls, vehicle.pushes(scenario.horizon)
             ),
-            covariances=each,
+            covariances=vehicle.covariances(scenario.horizon),
             gain=vehicle.gain,
         )
-        for vehicle, controls, each in zip(scenario.vehicles, controls_of_all, known, strict=True)
+        for vehicle, controls in zip(scenario.vehicles, controls_of_all, strict=True)
     )
-
-
-def covariances_of(scenario: Scenario) -> tuple[Tensor, ...]:
-    """Return the state covariances of every vehicle, which no plan changes, (T+1, n, n) each.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The fleet.
-    """
-    return tuple(vehicle.covariances(scenario.horizon) for vehicle in scenario.vehicles)
 
 
 def cost_of(scenario: Scenario, trajectories: tuple[Trajectory, ...]) -> float:

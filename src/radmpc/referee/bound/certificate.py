@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from radmpc.arrays import Matrix
 from radmpc.model.given import plan_under
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Cause, LedgerRow, Plan
@@ -20,7 +23,7 @@ from radmpc.referee.propagation import FleetNoise
 from radmpc.referee.saturation import saturation_bound
 from radmpc.referee.tails import cutoff_of
 
-__all__ = ["Certificate", "certify", "judged"]
+__all__ = ["Certificate", "certify", "judged", "ledger_under"]
 
 _STATED_TOL = 1e-6
 """Relative difference [-] by which a stated certificate may be below the recomputed one: rounding
@@ -132,7 +135,34 @@ def certify(plan: Plan, *, avoidance: Avoidance | None = None) -> Certificate:
     return judged(plan, FleetNoise.of(plan.scenario))
 
 
-def judged(plan: Plan, noise: FleetNoise) -> Certificate:
+def ledger_under(
+    noise: FleetNoise, controls: Sequence[Matrix]
+) -> tuple[float, tuple[LedgerRow, ...]]:
+    """Return what `certify` finds at risk under controls, for who has yet to make a plan of them.
+
+    Parameters
+    ----------
+    noise : FleetNoise
+        Of the scenario.
+    controls : sequence of (T, m) array
+        Of every vehicle, in the scenario's order.
+
+    Returns
+    -------
+    tuple of (float, tuple of LedgerRow)
+        Upper bound on the probability of any collision [-], and where it goes; 1 and nothing where
+        that cannot be judged.
+    """
+    motion = noise.under(controls)
+    if motion.problems:
+        return 1.0, ()
+    ledger = _ledger(noise.scenario, motion)
+    return total_risk(ledger), ledger
+
+
+def judged(
+    plan: Plan, noise: FleetNoise, ledger: tuple[LedgerRow, ...] | None = None
+) -> Certificate:
     """Judge one of many plans of a scenario, as `certify` does.
 
     Parameters
@@ -141,6 +171,8 @@ def judged(plan: Plan, noise: FleetNoise) -> Certificate:
         Any plan.
     noise : FleetNoise
         Of its scenario.
+    ledger : tuple of LedgerRow or None
+        That of its controls, from `ledger_under`; None is not at hand.
     """
     scenario = plan.scenario
     problems = shape_problems(plan)
@@ -150,7 +182,7 @@ def judged(plan: Plan, noise: FleetNoise) -> Certificate:
     if motion.problems:
         return Certificate(scenario.risk_bound, 1.0, (), tuple(motion.problems))
     problems = claim_problems(plan, motion) + limit_problems(plan, motion)
-    ledger = _ledger(scenario, motion)
+    ledger = _ledger(scenario, motion) if ledger is None else ledger
     certified = total_risk(ledger)
     stated = plan.risk.certified
     if stated is not None and stated < certified * (1.0 - _STATED_TOL):
