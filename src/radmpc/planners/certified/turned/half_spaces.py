@@ -181,14 +181,12 @@ def _around(
     number, window = np.nonzero(np.einsum("pwd,pwd->pw", gaps, gaps) < limit)
     place, piece = places[number], pieces[number]
     first, radius = members[place], hazards.radii[members[place]][:, None]
-    corners = (
-        shapes.vertices[piece, window + (0 if hazards.intervals else 1)],
-        shapes.vertices[piece, window + 1],
-    )
+    later = shapes.vertices[piece, window + 1]
+    corners = (shapes.vertices[piece, window] if hazards.intervals else later), later
 
     def supports(directions: Tensor) -> tuple[Vector, Vector]:
-        start, end = (furthest(directions, points) for points in corners)
-        return start + radius, end + radius
+        end = furthest(directions, later) + radius
+        return (furthest(directions, corners[0]) + radius if hazards.intervals else end), end
 
     def encounter(paths: Paths) -> Encounter:
         return Encounter(
