@@ -1,4 +1,4 @@
-"""Plans of a fleet by turned half-spaces: from its best plan, towards another, from no plan."""
+"""Plans of a fleet by turned half-spaces: from its best plan, toward another, from no plan."""
 
 from __future__ import annotations
 
