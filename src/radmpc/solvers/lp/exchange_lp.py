@@ -154,11 +154,21 @@ class ExchangeLp:
             self._highs.deleteCols(numbers.size, numbers)
             self.num_columns, self._exchanged_columns = first, 0
 
-    def bounds(self) -> tuple[tuple[Vector, Vector], tuple[Vector, Vector]]:
-        """Return lower and upper bounds of all columns, and of all rows."""
+    def bounds(
+        self, num_columns: int, num_rows: int
+    ) -> tuple[tuple[Vector, Vector], tuple[Vector, Vector]]:
+        """Return lower and upper bounds of the first columns, and of the first rows.
+
+        Parameters
+        ----------
+        num_columns, num_rows : int
+            How many.
+        """
         lp = self._highs.getLp()
-        columns = np.array(lp.col_lower_), np.array(lp.col_upper_)
-        return columns, (np.array(lp.row_lower_), np.array(lp.row_upper_))
+        columns = (array_of(side)[:num_columns] for side in (lp.col_lower_, lp.col_upper_))
+        rows = (array_of(side)[:num_rows] for side in (lp.row_lower_, lp.row_upper_))
+        (lower, upper), (least, most) = columns, rows
+        return (lower, upper), (least, most)
 
     def begin_with(self, columns: Indices, rows: Indices) -> None:
         """Begin the next solve with a basis, see `quiet_highs.begin_with`.

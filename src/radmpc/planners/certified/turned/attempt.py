@@ -50,7 +50,7 @@ class Begin:
         Whether beginnings are compared: many obstacles are in the way, and no proof that tells
         better sides follows.
     is_followed : bool
-        Whether such a proof follows: who costs how much then is asked of the plan that it leads to.
+        Whether such a proof follows, which turns the plan to the end once it told the sides.
     """
 
     task: Task

@@ -13,7 +13,7 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.linear.given import Layout, Places
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
-from radmpc.planners.certified.turned.linear.kept_basis import KeptBasis
+from radmpc.planners.certified.turned.linear.kept_basis import Bounds, KeptBasis
 from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.planners.certified.turned.linear.parts import FEW, Entered, Rows, near_first
 from radmpc.program.condensed import CondensedModel
@@ -68,7 +68,7 @@ class GroupLp:
         self._lp = ExchangeLp()
         starts = [self._add_member(model) for model in self._models]
         self._stay = self._lp.num_columns, self._lp.num_rows
-        self._bounds = self._lp.bounds()
+        self._bounds: tuple[Bounds, Bounds] | None = None
         self._kept: KeptBasis | None = None
         self._controls = np.array([first for first, _ in starts])
         self._positions = np.array([second for _, second in starts])
@@ -153,6 +153,9 @@ class GroupLp:
         """Keep where this solve ended."""
         columns, rows = self._lp.basic()
         (num_columns, num_rows), active, basic = self._stay, [], []
+        if self._bounds is None:
+            # Of what stays, which nobody changes.
+            self._bounds = self._lp.bounds(num_columns, num_rows)
         first_row = num_rows
         for part in parts:
             offered = part.offered(self._num_ends)
