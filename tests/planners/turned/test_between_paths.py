@@ -151,6 +151,22 @@ def test_a_turned_price_is_what_programs_were_solved_at_per_certified_risk(
     assert found.turned_price / found.risk_ratio in [pytest.approx(price) for price in prices]
 
 
+def test_a_price_aims_lower_while_the_first_certificate_ends_the_rounds() -> None:
+    brief, usual = (
+        PriceControl(1.0, RISK_BOUND, 1e-3, is_brief=is_brief) for is_brief in (True, False)
+    )
+    paths = Paths(HAZARDS).state()
+    for control in (brief, usual):
+        control.follow(0.055, 10.0, paths)
+    assert brief.price > usual.price
+    for control in (brief, usual):
+        control.price = 1.0
+        control.follow(0.04, 10.1, paths)
+        control.price = 1.0
+        control.follow(0.055, 10.0, paths)
+    assert brief.price == usual.price
+
+
 def test_turning_that_is_to_be_brief_ends_at_the_first_plan_that_spends_enough() -> None:
     scenario = paper(3, 0)
     fleet = Fleet.of(scenario, 1e-3, Limits())

@@ -203,8 +203,9 @@ def test_waiting_for_a_certificate_is_urgent_only_where_there_is_no_plan(
     urgent: list[bool] = []
 
     def noted(*asked: object) -> PriceControl:
-        urgent.append(bool(asked[-1]))
-        return PriceControl(*asked)
+        control = PriceControl(*asked)
+        urgent.append(control.is_urgent)
+        return control
 
     monkeypatch.setattr("radmpc.planners.certified.turned.turning.PriceControl", noted)
     begun = turning(30, tuple((i,) for i in range(30)))

@@ -65,6 +65,8 @@ class PriceControl:
         Cost of the best plan known from elsewhere; inf where there is none.
     is_urgent : bool
         Whether rounds take so long that a first plan is worth more than a cheap one.
+    is_brief : bool
+        Whether the first plan that spends enough of Δ ends the rounds.
     num_stalls : int
         Rounds in a row that gained too little.
     safe : SafePaths or None
@@ -76,6 +78,7 @@ class PriceControl:
     gap: float
     rival: float = float("inf")
     is_urgent: bool = False
+    is_brief: bool = False
     num_stalls: int = 0
     _num_rounds: int = 0
     _num_idle: int = 0
@@ -160,7 +163,9 @@ class PriceControl:
         if is_lost and self.safe is not None and self._num_backs < PRICE_TUNING.most_backs:
             return self._back(self.safe)
         self._last_certified, self._last_cost = certified, cost
-        ratio = certified / (PRICE_TUNING.aim * self.risk_bound)
+        is_first = self.is_brief and self.safe is None
+        aim = PRICE_TUNING.first_aim if is_first else PRICE_TUNING.aim
+        ratio = certified / (aim * self.risk_bound)
         ratio = float(np.clip(ratio, 1.0 / PRICE_TUNING.most_fall, PRICE_TUNING.most_rise))
         self.price *= ratio**PRICE_TUNING.damping
         if is_over and is_little and self.safe is not None:

@@ -107,7 +107,8 @@ class Turning:
         """
         task, paths = self.task, self.successive.paths
         is_urgent = task.hazards.count > TUNING.few and not self.incumbent.controls
-        control = PriceControl(self.price, task.risk_bound, task.gap, rival, is_urgent)
+        flags = is_urgent, self.enough < float("inf")
+        control = PriceControl(self.price, task.risk_bound, task.gap, rival, *flags)
         self.successive.forget_all_but(self.groups)
         begun = time.monotonic()
         control.begin(self._take(), paths.cost(), paths.state())
