@@ -5,15 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable, Generator, Iterable, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from functools import partial
 from pathlib import Path
 from typing import Any, Self, TypeVar
@@ -63,6 +55,8 @@ def run_elsewhere(
         futures = elsewhere.submit(tasks)
         here: dict[int, Answer] = {}
         # Futures of others, as of a cluster, let themselves be canceled while their work runs.
+        from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor  # noqa: PLC0415 - few have workers
+
         is_told_what_began = isinstance(executor, ProcessPoolExecutor | ThreadPoolExecutor)
         for number in reversed(range(len(tasks) if is_told_what_began else 0)):
             future = futures[number]
