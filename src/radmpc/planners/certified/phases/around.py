@@ -94,6 +94,9 @@ class Around:
             before = frozenset(search.order)
             if not search.is_over and self._has_merged(search):
                 parts = tuple(members for members in search.order if members not in before)
+                if max(map(len, parts)) > TUNING.few_together and self.turn_on():
+                    # Their search takes long, and whoever stops it has a better plan.
+                    search.continue_from(self.state.incumbent, self._price())
                 continue
             gained = self._turned(search)
             if self.is_near or search.nodes >= self.most_nodes or timed.limits.reached:

@@ -36,6 +36,9 @@ class Tuning:
         it may come to [-].
     time_share : float
         Share of the time for the search that this may take [-].
+    few_together : int
+        Vehicles of a set in each other's way up to which it is searched before the plan at hand is
+        turned to the end [-]: sets of four of `circle(8)` take twice as long as that.
     price_share : float
         Price at which the relaxation is searched, over what a little more Δ would save the plan at
         hand [-]: less is charged there. On fourteen draws of `paper(8)`, and of these in
@@ -97,6 +100,7 @@ class Tuning:
     apart: float = 0.1
     most_apart: float = 0.2
     time_share: float = 0.5
+    few_together: int = 3
     price_share: float = 0.85
     left: float = 0.3
     efforts: int = 16

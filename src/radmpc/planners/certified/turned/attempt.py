@@ -68,13 +68,15 @@ class Begin:
 
     def referring(self, places: Mapping[int, Matrix]) -> Turning:
         """Return half-spaces turned to given positions, for all others to their paths alone."""
+        # Where several sides are turned, it takes both to the end to compare them.
+        is_brief = self.is_followed and bool(self.routes)
         turning = Turning(
             self.task,
             FleetIncumbent(),
             self.sets,
             self.price,
             is_patient=self.is_hard,
-            enough=TUNING.enough * self.task.risk_bound if self.is_followed else float("inf"),
+            enough=TUNING.enough * self.task.risk_bound if is_brief else float("inf"),
             programs=self.alone.programs,
         )
         turning.successive.begin(self.alone.paths.controls)
