@@ -94,7 +94,7 @@ class Around:
             before = frozenset(search.order)
             if not search.is_over and self._has_merged(search):
                 parts = tuple(members for members in search.order if members not in before)
-                if max(map(len, parts)) > TUNING.few_together and self.turn_on():
+                if max(map(len, parts), default=0) > TUNING.few_together and self.turn_on():
                     # Their search takes long, and whoever stops it has a better plan.
                     search.continue_from(self.state.incumbent, self._price())
                 continue
