@@ -38,7 +38,7 @@ def risk_of(controls: tuple[np.ndarray, ...]) -> float:
 
 def turning(risk=risk_of) -> Turning:
     """Return a turning whose referee knows that risk."""
-    judge = lambda controls: Verdict(risk(controls), ())  # noqa: E731
+    judge = lambda controls: Verdict(risk(controls), ())  # noqa: E731 - a stub
     task = Task(HAZARDS, judge, Limits(), 1e-3, RISK_BOUND)
     incumbent = FleetIncumbent(half_way(1.0), 1e3, ((0,), (1,)), certified=0.02, turned_price=5.0)
     made = Turning(task, incumbent, ((0,), (1,)), 5.0)
