@@ -149,6 +149,19 @@ def test_a_price_that_led_too_far_is_raised_from_the_last_certified_paths() -> N
     assert control.price > before
 
 
+def test_a_price_that_certificates_hardly_answer_is_found_in_a_few_rounds() -> None:
+    risk_bound, reply, cost = 0.1, 0.3, 10.0
+    control, rounds = PriceControl(2.0, risk_bound, 1e-3), 0
+    control.begin(risk_bound, cost, "begun")  # type: ignore[arg-type] # any token will do
+    certified = 0.0
+    while abs(certified / (0.985 * risk_bound) - 1.0) > 0.01:
+        certified, rounds = risk_bound * control.price**-reply, rounds + 1
+        cost -= 0.1
+        assert control.follow(certified, cost, "more") is None  # type: ignore[arg-type] # as above
+    # By the ratio to the power of 0.8 alone each round leaves three quarters of what is missing: 12.
+    assert rounds <= 5
+
+
 @pytest.mark.slow
 def test_ways_at_drawn_times_lead_to_the_same_plan_from_the_same_seed() -> None:
     scenario = import_scenario(INSTANCES / "s2m2" / "parking.yaml").scenario

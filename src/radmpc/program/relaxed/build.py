@@ -165,24 +165,19 @@ class _Relaxation:
         chosen = instants.near(*ends, room)
         if not chosen.size:
             return
-        instants, outline = instants.take(chosen), outline.take(chosen)
+        near = instants.take(chosen)
         if self.around is not None:
-            vicinity = Vicinity.of(*bodies, instants, outline)
+            vicinity = Vicinity.of(*bodies, near, outline.take(chosen))
             if not vicinity.is_near(self.around):
                 self.left_out.append(vicinity)
                 return
         if patches is not None:
-            cones = cones_in_space(patches, outline.radius, instants.covariances, self.tails)
-            self._add(instants, cones, *label)
+            cones = cones_in_space(patches, outline.radius, near.covariances, self.tails)
+            self._add(near, cones, *label)
             return
-        rows = self.shared.around(
-            outline,
-            instants,
-            self.tails,
-            self.num_directions,
-            lambda cones: self._rows(instants, cones),
-        )
-        self.builder.add_block(rows.over(instants), *label)
+        around = outline, instants, self.tails, self.num_directions
+        rows = self.shared.around(around, chosen, lambda cones: self._rows(near, cones))
+        self.builder.add_block(rows.over(near), *label)
 
     def _add(
         self, instants: Instants, cones: Cones, cause: Cause, vehicle: str, other: str | None

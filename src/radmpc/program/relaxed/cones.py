@@ -75,6 +75,12 @@ class Cones:
     parents: Indices
     is_void: np.ndarray
 
+    def take(self, chosen: Indices) -> Cones:
+        """Return the cones at some of the instants, by their numbers."""
+        normals, offsets = self.normals[chosen], self.offsets[chosen]
+        deviations, is_void = self.deviations[chosen], self.is_void[chosen]
+        return Cones(normals, offsets, deviations, self.parents, is_void)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _LevelCurve:

@@ -6,12 +6,61 @@ from collections.abc import Callable
 
 import numpy as np
 
+from radmpc.arrays import Indices, Tensor
 from radmpc.program.relaxed.cones import Cones, Outline, cones_around
 from radmpc.program.relaxed.instants import Instants
 from radmpc.program.relaxed.rows import ConeRows
 from radmpc.program.relaxed.tails import Tails
 
-__all__ = ["SharedRows"]
+__all__ = ["SharedCones", "SharedRows"]
+
+_Hazard = tuple[object, ...]
+"""A hazard, the noise that it is seen with at every instant, and the number of directions."""
+
+_MOSTLY = 0.5
+"""Share of all instants from which on the cones are computed at all of them at once [-]."""
+
+
+class SharedCones:
+    """Cones in the plane that were asked for, to be asked for with the same tails.
+
+    They are the same for all vehicles of one size whose noise is the same, wherever these may be,
+    and for all pairs of such: from the second that asks on, they are known at every instant.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[_Hazard, Cones] = {}
+        self._seen: set[_Hazard] = set()
+
+    def at(
+        self,
+        hazard: _Hazard,
+        around: tuple[Outline, Instants, Tails, int],
+        chosen: Indices,
+    ) -> Cones:
+        """Return the cones around a hazard at some instants.
+
+        Parameters
+        ----------
+        hazard : tuple
+            What tells it, its noise and the number of directions from others.
+        around : tuple of Outline, Instants, Tails and int
+            The hazard and where the body is, both at all instants; what charges are at least, and
+            directions, evenly around.
+        chosen : (c,) int array
+            The instants' numbers.
+        """
+        outline, instants, tails, count = around
+        cones = self._known.get(hazard)
+        if cones is None:
+            is_shared = hazard in self._seen or chosen.size >= _MOSTLY * instants.count
+            if not is_shared:
+                self._seen.add(hazard)
+                some = outline.take(chosen), instants.covariances[chosen]
+                return cones_around(*some, tails, _evenly(count, chosen.size))
+            every = instants.covariances, tails, _evenly(count, instants.count)
+            cones = self._known[hazard] = cones_around(outline, *every)
+        return cones.take(chosen)
 
 
 class SharedRows:
@@ -19,43 +68,46 @@ class SharedRows:
 
     What a vehicle has to keep clear of is the same alone, in pairs and in larger sets; within a
     reach that was narrowed the cones are still the same.
+
+    Parameters
+    ----------
+    cones : SharedCones or None
+        Those of other vehicles, for the same tails.
     """
 
-    def __init__(self) -> None:
-        self._cones: dict[tuple[object, ...], Cones] = {}
+    def __init__(self, cones: SharedCones | None = None) -> None:
+        self._cones = SharedCones() if cones is None else cones
         self._rows: dict[tuple[object, ...], ConeRows] = {}
 
     def around(
         self,
-        outline: Outline,
-        instants: Instants,
-        tails: Tails,
-        count: int,
+        around: tuple[Outline, Instants, Tails, int],
+        chosen: Indices,
         rows_of: Callable[[Cones], ConeRows],
     ) -> ConeRows:
         """Return the rows of the cones around a hazard.
 
         Parameters
         ----------
-        outline : Outline
-            The hazard.
-        instants : Instants
-            Where the body is.
-        tails : Tails
-            What charges are at least.
-        count : int
-            Directions, evenly around.
+        around, chosen
+            As in `SharedCones.at`.
         rows_of : callable
-            Called with the cones if there are no rows yet; of the same bound and tail every time.
+            Called with the cones at the chosen instants if there are no rows yet; of the same bound
+            and tail every time.
         """
+        outline, instants, _, count = around
         hazard = outline.vertices.tobytes(), outline.radius, instants.covariances.tobytes(), count
-        reach = instants.lower.tobytes(), instants.upper.tobytes(), instants.windows.tobytes()
+        lower, upper = instants.lower[chosen], instants.upper[chosen]
+        reach = lower.tobytes(), upper.tobytes(), chosen.tobytes()
         rows = self._rows.get((hazard, reach))
         if rows is None:
-            if hazard not in self._cones:
-                angles = (2.0 * np.arange(count) + 1.0) * np.pi / count
-                directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-                every = np.broadcast_to(directions, (instants.count, *directions.shape))
-                self._cones[hazard] = cones_around(outline, instants.covariances, tails, every)
-            rows = self._rows[hazard, reach] = rows_of(self._cones[hazard])
+            cones = self._cones.at(hazard, around, chosen)
+            rows = self._rows[hazard, reach] = rows_of(cones)
         return rows
+
+
+def _evenly(count: int, num_instants: int) -> Tensor:
+    """Return directions evenly around, the same at all instants, (I, count, 2)."""
+    angles = (2.0 * np.arange(count) + 1.0) * np.pi / count
+    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return np.broadcast_to(directions, (num_instants, *directions.shape))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import field
 from itertools import combinations
 
 import numpy as np
@@ -16,7 +15,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import in_empty_space, within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.program.build import point_of
-from radmpc.program.relaxed.shared_rows import SharedRows
+from radmpc.program.relaxed.shared_rows import SharedCones, SharedRows
 from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
@@ -24,7 +23,7 @@ from radmpc.solvers.solution import Limits
 __all__ = ["search_part", "search_part_elsewhere"]
 
 
-def search_part(task: PartTask, limits: Limits) -> PartAnswer:
+def search_part(task: PartTask, limits: Limits, cones: SharedCones | None = None) -> PartAnswer:
     """Search a part on.
 
     Parameters
@@ -33,13 +32,16 @@ def search_part(task: PartTask, limits: Limits) -> PartAnswer:
         The part, and what is asked.
     limits : Limits
         When to stop early.
+    cones : SharedCones or None
+        Those of other parts.
 
     Returns
     -------
     PartAnswer
         What is known then; the same wherever it was searched, unless a limit ended it.
     """
-    search = _PartSearch(task.part, task.order, limits, dict(task.proven))
+    shared = SharedRows(cones)
+    search = _PartSearch(task.part, task.order, limits, dict(task.proven), shared)
     is_new = search.advance(tuple(range(len(task.part.members))))
     return PartAnswer(search.sets, search.nodes, is_new)
 
@@ -69,9 +71,9 @@ class _PartSearch:
     order: PartOrder
     limits: Limits
     sets: dict[Members, RelaxedSet]
+    shared: SharedRows
     nodes: int = 0
     surroundings: Surroundings | None = None
-    shared: SharedRows = field(default_factory=SharedRows)
 
     @property
     def _has_spent(self) -> bool:

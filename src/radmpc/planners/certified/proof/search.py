@@ -32,6 +32,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.executing import in_order
+from radmpc.program.relaxed.shared_rows import SharedCones
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import relative_gap
@@ -94,6 +95,7 @@ class BoundSearch:
     proven: dict[Members, Mapping[Members, RelaxedSet]] = field(default_factory=dict)
     order: tuple[Members, ...] = field(init=False)
     _totals: PartTotals = field(init=False)
+    _cones: SharedCones = field(default_factory=SharedCones)
 
     def __post_init__(self) -> None:
         """Tabulate the tails, and choose the parts."""
@@ -285,7 +287,7 @@ class BoundSearch:
     def _answer_here(self, members: Members, order: PartOrder) -> PartAnswer:
         """Search a part in this process."""
         order = replace(order, most_nodes=min(order.most_nodes, self._nodes_left))
-        return search_part(self._task(members, order), self.fleet.limits)
+        return search_part(self._task(members, order), self.fleet.limits, self._cones)
 
     @property
     def _nodes_left(self) -> float:

@@ -87,6 +87,7 @@ class PriceControl:
     _cheapest: float = float("inf")
     _last_cost: float = float("inf")
     _last_certified: float = float("inf")
+    _last_price: float = float("inf")
     safe: SafePaths | None = None
     _most: float = float("inf")
 
@@ -162,12 +163,13 @@ class PriceControl:
         is_lost |= is_little and certified > PRICE_TUNING.nearly_spent * self.risk_bound
         if is_lost and self.safe is not None and self._num_backs < PRICE_TUNING.most_backs:
             return self._back(self.safe)
-        self._last_certified, self._last_cost = certified, cost
         is_first = self.is_brief and self.safe is None
         aim = PRICE_TUNING.first_aim if is_first else PRICE_TUNING.aim
         ratio = certified / (aim * self.risk_bound)
         ratio = float(np.clip(ratio, 1.0 / PRICE_TUNING.most_fall, PRICE_TUNING.most_rise))
-        self.price *= ratio**PRICE_TUNING.damping
+        power = self._power(certified, ratio)
+        self._last_certified, self._last_cost, self._last_price = certified, cost, self.price
+        self.price *= ratio**power
         if is_over and is_little and self.safe is not None:
             self.price *= PRICE_TUNING.nudge
         is_near = certified <= PRICE_TUNING.patient * self.risk_bound
@@ -179,6 +181,20 @@ class PriceControl:
             ) ** waited
         self.price = min(self.price, self._most)
         return None
+
+    def _power(self, certified: float, ratio: float) -> float:
+        """Return the power of the ratio of certificate to aim that the price follows.
+
+        A secant in logarithms where certificates come near the aim from below: there they answer
+        the price the less, the more of the cost is due to what cannot be avoided.
+        """
+        damping, fell = PRICE_TUNING.damping, self._last_price / self.price
+        if not PRICE_TUNING.near <= ratio <= 1.0 or not 1.0 < fell < np.inf:
+            return damping
+        rose = certified / max(self._last_certified, 1e-300)
+        reply = float(np.log(rose) / np.log(fell))
+        steepest = 1.0 / PRICE_TUNING.most_power
+        return 1.0 / max(reply, steepest) if 0.0 < reply < 1.0 / damping else damping
 
     def _count(self, latest: Taken, risk: float, between: Taken | None) -> None:
         """Take note of how much a round gained, and of what others could gain."""
@@ -211,6 +227,7 @@ class PriceControl:
         self.price = PRICE_TUNING.dearer**self._num_backs * safe.price
         self.safe = SafePaths(safe.paths, self.price, safe.certified)
         self._last_certified, self._last_cost = self.risk_bound, float("inf")
+        self._last_price = float("inf")
         return safe.paths
 
     @property
