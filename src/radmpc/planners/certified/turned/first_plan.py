@@ -12,7 +12,7 @@ from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.near import Near, first_clearance
-from radmpc.planners.certified.turned.paths import Paths
+from radmpc.planners.certified.turned.paths import Paths, arched
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.components import components
@@ -60,20 +60,21 @@ def first_plan(
     """
     hazards = task.hazards if visits is None else visits.hazards
     task = replace(_told_once(task), hazards=hazards)
+    is_large = hazards.count > TUNING.few
+    # A large fleet's first round may take all the time there is, and end without a plan.
+    is_short = is_large and _is_short(task)
+    if is_large and not (is_needed or is_short) and _is_easy_along_lines(task):
+        return FleetIncumbent()
     alone = _paths_alone(task, visits)
     if alone is None or task.limits.reached:
         return FleetIncumbent()
     paths, stopped = alone.paths, _stopped(hazards, alone.paths)
-    is_large = hazards.count > TUNING.few
-    is_blocked = stopped.size > (TUNING.stopped * hazards.count if is_large else 0)
+    is_blocked = _are_many_stopped(hazards, stopped)
     is_maze = is_large and is_blocked
     clearance = _clearance(task, is_maze=is_maze)
     sets = _meeting(hazards, paths, clearance)
     largest = max(len(members) for members in sets)
-    is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
-    is_easy = not (is_crowded or is_blocked)
-    # A large fleet's first round may take all the time there is, and end without a plan.
-    is_short = is_large and _is_short(task)
+    is_easy = not (_is_crowded(hazards, largest) or is_blocked)
     if is_easy and not is_needed and not is_short and (largest == 1 or is_large):
         return FleetIncumbent()
     if is_easy and is_needed and largest == 1:
@@ -98,6 +99,34 @@ def first_plan(
     flags = (is_easy and is_needed, is_easy and is_short, is_hard, is_compared, is_needed)
     begin = Begin(task, alone, routes, sets, price, clearance, to_choose, *flags)
     return tried(begin, rng, task.limits.within(seconds))
+
+
+def _is_easy_along_lines(task: Task) -> bool:
+    """Whether few of a large fleet would get in each other's way, or be stopped, on straight lines.
+
+    What vehicles do alone is nearly that, and takes a linear program each.
+    """
+    hazards = task.hazards
+    if any(model.vehicle.via for model in hazards.models):
+        return False
+    paths = Paths(hazards)
+    for i in range(hazards.count):
+        paths.refer(i, arched(hazards, i, 0.0))
+    if _are_many_stopped(hazards, _stopped(hazards, paths)):
+        return False
+    sets = _meeting(hazards, paths, _clearance(task, is_maze=False))
+    return not _is_crowded(hazards, max(len(members) for members in sets))
+
+
+def _are_many_stopped(hazards: Hazards, stopped: np.ndarray) -> bool:
+    """Whether obstacles stop so many vehicles that their routes are planned first."""
+    is_large = hazards.count > TUNING.few
+    return stopped.size > (TUNING.stopped * hazards.count if is_large else 0)
+
+
+def _is_crowded(hazards: Hazards, largest: int) -> bool:
+    """Whether so many vehicles get in each other's way that these are planned first."""
+    return largest >= max(TUNING.many, TUNING.crowd * hazards.count)
 
 
 def _clearance(task: Task, *, is_maze: bool) -> float:
