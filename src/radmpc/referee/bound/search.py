@@ -20,6 +20,10 @@ _TELLING = 1e-10
 """Risk above which directions across the chord are tried, too [-]: few sites, a tenth of the
 time."""
 
+_LINE = 1e-6
+"""Determinant of a covariance, as a share of its trace squared, up to which noise counts as along a
+line [-]."""
+
 
 def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix, Vector]:
     """Return the best direction found for each site and its risk, summed over ends.
@@ -155,13 +159,21 @@ def _or_along_least_noise(sites: Sites, best: Matrix, risks: Vector) -> tuple[Ma
     Noise along a line that only grazes the set has no tangent but the one beside that line, whose
     multiplier is infinite.
     """
-    telling = np.flatnonzero(risks > _TELLING)
+    telling = np.flatnonzero((risks > _TELLING) & _along_lines(sites.covariances[:, 0]))
     if telling.size:
         close = sites.take(telling)
         least = np.linalg.eigh(close.covariances[:, 0])[1][:, None, :, 0]
         tried = np.concatenate([best[telling, None], least, -least], axis=1)
         best[telling], risks[telling] = cheapest(close, tried)
     return best, risks
+
+
+def _along_lines(covariances: Tensor) -> np.ndarray:
+    """Return where all noise is along a line, up to rounding; in space nowhere known to be not."""
+    if covariances.shape[1] != 2:
+        return np.ones(len(covariances), dtype=bool)
+    (first, mixed), (_, last) = covariances.transpose(1, 2, 0)
+    return np.asarray(first * last - mixed * mixed <= _LINE * np.square(first + last))
 
 
 def _across(sites: Sites) -> Tensor:

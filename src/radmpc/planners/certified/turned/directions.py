@@ -105,7 +105,7 @@ def _across(moved: Matrix, signs: Vector) -> Matrix:
 
 
 def from_shape(
-    faces: Tensor, corners: tuple[Tensor, Tensor], ends: tuple[Matrix, Matrix]
+    faces: Tensor, corners: tuple[Tensor, ...], ends: tuple[Matrix, ...]
 ) -> Tensor:
     """Return unit directions from a shape to a path's chord, zeros where there is none, (w, c, d).
 
@@ -117,15 +117,27 @@ def from_shape(
     ----------
     faces : (w, f, d) array
         Outward normals of the shape; zeros fill up.
-    corners : tuple of two (w, v, d) array
-        Its corners at both ends of each window [m].
-    ends : tuple of two (w, d) array
+    corners : tuple of (w, v, d) array
+        Its corners at both ends of each window [m], or at one where the path is a point.
+    ends : tuple of (w, d) array
         The path there [m].
     """
+    tried = [faces]
+    if len(ends) == 2:
+        tried += _along_chord(corners, ends)
+    else:
+        tried += [_apart(ends[0][:, None] - points) for points in corners]
+    if faces.shape[2] == 3:
+        tried.append(np.broadcast_to(_EVERYWHERE, (len(faces), *_EVERYWHERE.shape)))
+    return np.concatenate(tried, axis=1)
+
+
+def _along_chord(corners: tuple[Tensor, ...], ends: tuple[Matrix, ...]) -> list[Tensor]:
+    """Return a chord's normals in the plane, and directions from corners to its nearest points."""
     start, end = ends
     moved = end - start
     squares = np.einsum("wd,wd->w", moved, moved)
-    tried = [faces]
+    tried = []
     if moved.shape[1] == 2:
         across = np.stack([-moved[:, 1], moved[:, 0]], axis=1)
         moves = squares > _TINY
@@ -136,9 +148,11 @@ def from_shape(
     for points in corners:
         along = np.einsum("wvd,wd->wv", points - start[:, None], moved)
         share = np.clip(along / np.maximum(squares, _TINY)[:, None], 0.0, 1.0)
-        away = start[:, None] + share[..., None] * moved[:, None] - points
-        length = np.linalg.norm(away, axis=2, keepdims=True)
-        tried.append(np.where(length > 1e-9, away / np.maximum(length, _TINY), 0.0))
-    if moved.shape[1] == 3:
-        tried.append(np.broadcast_to(_EVERYWHERE, (len(moved), *_EVERYWHERE.shape)))
-    return np.concatenate(tried, axis=1)
+        tried.append(_apart(start[:, None] + share[..., None] * moved[:, None] - points))
+    return tried
+
+
+def _apart(away: Tensor) -> Tensor:
+    """Return unit vectors, zeros where there is next to nothing between, (w, v, d)."""
+    length = np.linalg.norm(away, axis=2, keepdims=True)
+    return np.where(length > 1e-9, away / np.maximum(length, _TINY), 0.0)

@@ -196,8 +196,11 @@ def _around(
             supports,
         )
 
+    # At steps alone the path is a point, and the corners are those there.
     chord = begin[place, window], path[place, window + 1]
-    tried, met = from_shape(shapes.faces[piece, window], corners, chord), encounter(paths)
+    ends = slice(0 if hazards.intervals else 1, 2)
+    tried = from_shape(shapes.faces[piece, window], corners[ends], chord[ends])
+    met = encounter(paths)
     if near.is_refined and piece.size:
         normals = refined((met, encounter(ahead)), tried)
     else:
