@@ -5,6 +5,7 @@ Tails go through ``ndtr(-q)``: :math:`\tfrac12-\tfrac12\mathrm{erf}` is exactly 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import overload
 
 import numpy as np
@@ -174,11 +175,24 @@ class Tail:
         RiskError
             If a risk lies outside (0, 0.5].
         """
-        gaussian = clearance_for(risk)
-        if self.samples is None:
-            return gaussian
-        wanted = -stdtrit(float(self.samples), np.asarray(risk, dtype=np.float64))
-        return np.minimum(np.maximum(wanted, gaussian), _MOST_CLEARANCE)
+        if isinstance(risk, float):
+            return _clearance_of(self.samples, risk)
+        return _clearances(self.samples, risk)
+
+
+def _clearances(samples: int | None, risk: float | Vector) -> Vector:
+    """Return what `Tail.clearance_for` does."""
+    gaussian = clearance_for(risk)
+    if samples is None:
+        return gaussian
+    wanted = -stdtrit(float(samples), np.asarray(risk, dtype=np.float64))
+    return np.minimum(np.maximum(wanted, gaussian), _MOST_CLEARANCE)
+
+
+@lru_cache(maxsize=256)
+def _clearance_of(samples: int | None, risk: float) -> Vector:
+    """Return the same of one risk: programs ask for few, for every hazard again."""
+    return _clearances(samples, risk)
 
 
 GAUSSIAN = Tail()

@@ -29,13 +29,19 @@ def rows_of_entries(
         The entries.
     shape : (int, int)
         Numbers of rows and columns.
+
+    Returns
+    -------
+    sparse array
+        Row and column numbers have 32 bits.
     """
     kept = np.flatnonzero(values)
     # Sorting one number each is several times faster than scipy's way over columns.
     kept = kept[np.argsort(rows[kept] * shape[1] + columns[kept], kind="stable")]
-    starts = np.zeros(shape[0] + 1, dtype=np.int64)
+    # SciPy keeps the integers it is given: small ones take half the memory, and are read sooner.
+    starts = np.zeros(shape[0] + 1, dtype=np.int32)
     np.cumsum(np.bincount(rows[kept], minlength=shape[0]), out=starts[1:])
-    return csr_array((values[kept], columns[kept], starts), shape=shape)
+    return csr_array((values[kept], columns[kept].astype(np.int32), starts), shape=shape)
 
 
 def diagonal_rows(

@@ -14,7 +14,7 @@ from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
 from radmpc.program.program import ChanceRows
 from radmpc.records import dataclass
-from radmpc.sparse_rows import diagonal_rows
+from radmpc.sparse_rows import diagonal_rows, rows_of_entries
 
 if TYPE_CHECKING:
     from radmpc.program.visits.columns import TimeColumns
@@ -158,10 +158,9 @@ def stacked_chance_rows(
         row_base += block.offsets.size
         event_base += block.event_steps.size
     values = _join([b.entry_values for b in blocks], np.float64)
-    # SciPy keeps the integers it is given: small ones take half the memory, and are read sooner.
-    where = _join(entry_rows, np.int32), _join([b.entry_outputs for b in blocks], np.int32)
+    where = _join(entry_rows, np.int64), _join([b.entry_outputs for b in blocks], np.int64)
     return ChanceRows(
-        normals=csr_array((values, where), shape=(row_base, num_outputs)),
+        normals=rows_of_entries(*where, values, (row_base, num_outputs)),
         offsets=_join([b.offsets for b in blocks], np.float64),
         deviations=_join([b.deviations for b in blocks], np.float64),
         events=_join(events, np.int32),

@@ -148,6 +148,8 @@ def _covariances(model: CondensedModel, windows: Indices, shares: Vector) -> Ten
     ``((1 − s) P − s (1 − s) G + s P F) δ_k + s P w``; G only where the path is a parabola. Who
     measures has ``B K`` and G act on the estimate of δ_k.
     """
+    if np.all(shares == 1.0):
+        return model.position_covariances[windows + 1]
     vehicle = model.vehicle
     if vehicle.has_memory:
         return vehicle.spread(model.horizon).of_sums(windows, *_between(vehicle, shares))

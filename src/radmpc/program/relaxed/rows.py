@@ -10,6 +10,7 @@ from radmpc.gaussian import Tail, clearance
 from radmpc.program.avoidance import Part, RowBlock
 from radmpc.program.relaxed.cones import Cones
 from radmpc.program.relaxed.instants import Instants
+from radmpc.program.relaxed.levels import levels_of
 from radmpc.records import dataclass, replace
 
 __all__ = ["DROPPED", "ConeRows", "cone_rows"]
@@ -148,23 +149,20 @@ def _offered(is_within: Flags, parents: Indices) -> tuple[Flags, Indices]:
     parents : (I, c) int array
         The number of the alternative that each of them refines; -1 where there is none.
     """
-    is_narrow = np.ones(parents.size, dtype=bool)
-    is_narrow[parents[parents >= 0]] = False
-    is_offered = is_within & is_narrow
+    laid_out = levels_of(parents)
+    is_offered = is_within & laid_out.is_narrow
     stands_for = is_offered.astype(np.int64)
-    levels = _levels(parents)
-    for cones in reversed(levels[1:]):
-        order = cones[parents[cones].argsort(kind="stable")]
-        outer = parents[order]
-        begins = np.flatnonzero(np.append(True, outer[1:] != outer[:-1]))
-        stands_for[:, outer[begins]] += np.add.reduceat(stands_for[:, order], begins, axis=1)
-    every = stands_for[:, levels[0]].sum(axis=1)[:, None]
+    for level in reversed(laid_out.levels[1:]):
+        stands_for[:, level.parents] += np.add.reduceat(
+            stands_for[:, level.order], level.begins, axis=1
+        )
+    every = stands_for[:, laid_out.levels[0].cones].sum(axis=1)[:, None]
     above = np.full(is_within.shape, -1)
-    for depth, cones in enumerate(levels):
+    for depth, level in enumerate(laid_out.levels):
         if depth:
-            outer = parents[cones]
-            above[:, cones] = np.where(is_offered[:, outer], outer, above[:, outer])
-        wide = cones[~is_narrow[cones]]
+            outer = level.outer
+            above[:, level.cones] = np.where(is_offered[:, outer], outer, above[:, outer])
+        wide = level.wide
         if wide.size:
             outer, count = above[:, wide], stands_for[:, wide]
             of_outer = np.take_along_axis(stands_for, np.maximum(outer, 0), axis=1)
@@ -173,17 +171,6 @@ def _offered(is_within: Flags, parents: Indices) -> tuple[Flags, Indices]:
     numbers = np.cumsum(is_offered.ravel()).reshape(is_offered.shape) - 1
     chosen = np.take_along_axis(numbers, np.maximum(above, 0), axis=1)
     return is_offered, np.where(above >= 0, chosen, -1)
-
-
-def _levels(parents: Indices) -> list[Indices]:
-    """Return the cones that are part of none, then those that are part of these, and so on."""
-    depth = np.zeros(parents.size, dtype=np.int64)
-    outer = parents
-    while (is_part := outer >= 0).any():
-        depth += is_part
-        outer = np.where(is_part, parents[outer], -1)
-    order = depth.argsort(kind="stable")
-    return np.split(order, np.flatnonzero(np.diff(depth[order])) + 1)
 
 
 def _entries(
