@@ -188,10 +188,11 @@ def gather_obstacles(
     skipped = np.zeros(count, dtype=np.int64)
     if not scenario.obstacles:
         return Gathered((), skipped)
-    balls = motion_balls(motion, intervals=intervals)
-    flights = flight_boxes(balls)
     num_pieces = sum(len(o.at(0)) for o in scenario.obstacles)
-    explicit = count * num_pieces <= _EXPLICIT
+    looked = None
+    if count * num_pieces > _EXPLICIT:
+        balls = motion_balls(motion, intervals=intervals)
+        looked = balls, flight_boxes(balls)
     # Batches of one kind each: what stands still, what moves, what moves and is not known exactly.
     chosen: dict[tuple[bool, bool], list[NearPiece]] = {
         kind: [] for kind in ((False, False), (True, False), (True, True))
@@ -199,27 +200,40 @@ def gather_obstacles(
     tracks = motion.tracks
     mine = concerned(scenario)
     for number, piece, pieces in pieces_of(scenario, 0):
-        lower, upper = boxes_of(pieces, balls, intervals=intervals)
-        spread = None
-        if tracks is not None and tracks.places[number] >= 0:
-            place = int(tracks.places[number])
-            spread = tracks.positions[place]
-            # Deviations of two add up to less than their sum.
-            cutoff, _ = cutoff_of(motion.samples)
-            more = cutoff * in_windows(tracks.deviations[place], intervals=intervals)[:, None]
-            lower, upper = lower - more, upper + more
-        far = np.zeros(count, dtype=bool)
-        if not explicit:
-            far = far_from_box(balls, flights, lower, upper)
-        if always is not None:
-            far &= ~always
-        skipped += far & mine[number]
-        near = np.flatnonzero(~far & mine[number])
-        if near.size:
+        place = -1 if tracks is None else int(tracks.places[number])
+        near = mine[number]
+        if looked is not None:
+            far = _far_from(pieces, motion, looked, place, intervals=intervals)
+            if always is not None:
+                far &= ~always
+            skipped += far & near
+            near = near & ~far
+        if near.any():
+            spread = tracks.positions[place] if tracks is not None and place >= 0 else None
             kind = len(pieces) > 1, spread is not None
-            chosen[kind].append(NearPiece(number, piece, near, pieces, spread))
+            chosen[kind].append(NearPiece(number, piece, np.flatnonzero(near), pieces, spread))
     batches = tuple(_obstacle_batch(motion, group) for group in chosen.values() if group)
     return Gathered(batches, skipped)
+
+
+def _far_from(
+    pieces: Sequence[Polytope],
+    motion: FleetMotion,
+    looked: tuple[Balls, tuple[Matrix, Matrix]],
+    place: int,
+    *,
+    intervals: bool,
+) -> Flags:
+    """Return who is far from a piece in every window, which may be off its track, if it has one."""
+    balls, flights = looked
+    lower, upper = boxes_of(pieces, balls, intervals=intervals)
+    if motion.tracks is not None and place >= 0:
+        # Deviations of two add up to less than their sum.
+        cutoff, _ = cutoff_of(motion.samples)
+        deviations = motion.tracks.deviations[place]
+        more = cutoff * in_windows(deviations, intervals=intervals)[:, None]
+        lower, upper = lower - more, upper + more
+    return far_from_box(balls, flights, lower, upper)
 
 
 def near_pieces(
