@@ -158,7 +158,7 @@ def test_a_price_that_certificates_hardly_answer_is_found_in_a_few_rounds() -> N
         certified, rounds = risk_bound * control.price**-reply, rounds + 1
         cost -= 0.1
         assert control.follow(certified, cost, "more") is None  # type: ignore[arg-type] # as above
-    # By the ratio to the power of 0.8 alone each round leaves three quarters of what is missing: 12.
+    # By the ratio to the power of 0.8 each round leaves three quarters of what is missing: 12.
     assert rounds <= 5
 
 

@@ -38,7 +38,8 @@ _REL_TOL, _TINY = 1e-6, 1e-300
 """Sum of all error bounds at which a site is done [-]: relative to its probability, absolute."""
 
 _ROUNDS, _MOST_PIECES = 40, 2000
-"""Rounds of halving (1e7 deviations of outline need 24) and pieces beyond which a site is left as it is."""
+"""Rounds of halving (1e7 deviations of outline need 24), and pieces, beyond which a site is left as
+it is."""
 
 _FEW_PIECES, _MANY_PARTS = 32, 8
 """Pieces up to which each is cut into so many parts at once instead of two [-]: few take as long as

@@ -104,9 +104,7 @@ def _across(moved: Matrix, signs: Vector) -> Matrix:
     return np.asarray(across * np.where(moves, 1.0, signs[:, None]))
 
 
-def from_shape(
-    faces: Tensor, corners: tuple[Tensor, ...], ends: tuple[Matrix, ...]
-) -> Tensor:
+def from_shape(faces: Tensor, corners: tuple[Tensor, ...], ends: tuple[Matrix, ...]) -> Tensor:
     """Return unit directions from a shape to a path's chord, zeros where there is none, (w, c, d).
 
     Its faces, the directions from its corners to the nearest points of the chord, and in the plane

@@ -133,7 +133,8 @@ class GroupLp:
         is_in = np.zeros(spaces.count, dtype=bool)
         added, parts = near_first(spaces), list[Entered]()
         while True:
-            parts.append(self._add(spaces.of(added), paths, margins.of(added)))
+            entering = (spaces, margins) if added.all() else (spaces.of(added), margins.of(added))
+            parts.append(self._add(*entering, paths))
             if self._kept is not None and len(parts) == 1 and margins.num_columns > 1:
                 self._lp.begin_with(*self._kept.in_program(parts[0].offered(self._num_ends)))
             values = self._lp.solve(limits.seconds_left)
@@ -171,7 +172,7 @@ class GroupLp:
             (np.concatenate(active), np.concatenate(basic)),
         )
 
-    def _add(self, spaces: HalfSpaces, paths: Places, margins: Margins) -> Entered:
+    def _add(self, spaces: HalfSpaces, margins: Margins, paths: Places) -> Entered:
         """Add half-spaces to the program, with what may be given up of them."""
         lengths = np.full((spaces.count, 2, margins.num_columns), _INF)
         lengths[:, :, :-1] = margins.lengths
@@ -256,14 +257,17 @@ class GroupLp:
         where, columns = [np.repeat(np.arange(rows.count), per_end)], [given_up.ravel()]
         values = [np.ones(given_up.size)]
         for sign, everyone in ((1.0, spaces.first[chosen]), (-1.0, spaces.second[chosen])):
-            is_member = (everyone >= 0) & (self._slots[everyone] >= 0)
-            still = np.flatnonzero((everyone >= 0) & ~is_member)
-            at = paths.means[everyone[still], steps[still]]
-            hang = paths.sagittas[everyone[still], windows[still]]
-            fixed = at - rows.reserves[still, None] * hang
-            lower[still] -= sign * np.einsum("wd,wd->w", normals[still], fixed)
-            mine = np.flatnonzero(is_member)
-            slots = self._slots[everyone[mine]]
+            slots = np.where(everyone >= 0, self._slots[everyone], -1)
+            mine = np.flatnonzero(slots >= 0)
+            still = np.flatnonzero((everyone >= 0) & (slots < 0))
+            if still.size:
+                at = paths.means[everyone[still], steps[still]]
+                hang = paths.sagittas[everyone[still], windows[still]]
+                fixed = at - rows.reserves[still, None] * hang
+                lower[still] -= sign * np.einsum("wd,wd->w", normals[still], fixed)
+            if not mine.size:
+                continue
+            slots = slots[mine]
             where.append(np.repeat(mine, normals.shape[1]))
             moving = steps[mine] > 0
             placed = self._positions[slots][:, None] + np.arange(normals.shape[1])
@@ -271,8 +275,9 @@ class GroupLp:
             columns.append(placed.ravel())
             values.append((sign * normals[mine] * moving[:, None]).ravel())
             given = np.flatnonzero(~moving)
-            start = paths.means[everyone[mine][given], 0]
-            lower[mine[given]] -= sign * np.einsum("wd,wd->w", normals[mine][given], start)
+            if given.size:
+                start = paths.means[everyone[mine][given], 0]
+                lower[mine[given]] -= sign * np.einsum("wd,wd->w", normals[mine][given], start)
             for at, column, pull in self._bends(rows, normals, windows, (sign, mine, slots)):
                 where.append(at)
                 columns.append(column)
