@@ -79,9 +79,11 @@ class Begin:
             enough=TUNING.enough * self.task.risk_bound if is_brief else float("inf"),
             programs=self.alone.programs,
         )
-        turning.successive.begin(self.alone.paths.controls)
+        successive = turning.successive
+        successive.begin(self.alone.paths.controls)
+        successive.least.update(enumerate(self.alone.paths.controls))
         for i, path in places.items():
-            turning.successive.refer(i, path)
+            successive.refer(i, path)
         return turning
 
 

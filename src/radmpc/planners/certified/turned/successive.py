@@ -66,6 +66,8 @@ class SuccessiveLp:
         What a meter at the goal costs the vehicle that moves with least effort.
     work : float
         What sharing risk took, see `ExchangeLp` [-].
+    least : dict of int to (T, m) array
+        Controls of least effort with nothing in the way, of vehicles that began with them.
     """
 
     def __init__(
@@ -79,6 +81,7 @@ class SuccessiveLp:
         self.paths = Paths(hazards)
         self.missed = np.full(hazards.count, np.inf)
         self.work = 0.0
+        self.least: dict[int, Matrix] = {}
         self.ahead = Paths(hazards)
         self.programs = WarmPrograms(hazards, {}) if programs is None else programs
         self.meter = cheapest_meter(hazards)
@@ -100,6 +103,7 @@ class SuccessiveLp:
         positions : (T+1, d) array
             Positions at the steps [m].
         """
+        self.least.pop(vehicle, None)
         self.paths.refer(vehicle, positions)
         self.ahead.refer(vehicle, positions)
 
@@ -203,6 +207,10 @@ class SuccessiveLp:
         reach = max(reach, float(self.hazards.reaches[i]))
         near = Near(clearance, reach, is_refined=False, is_start_given=self._has_visits)
         spaces = half_spaces(self.hazards, self.paths, (i,), near)
+        is_least = self.paths.controls[i] is self.least.get(i)
+        if is_least and np.all(spaces.clearances >= clearance):
+            self.missed[i] = 0.0
+            return
         margins = fixed_margins(spaces.deviations, clearance, penalty * self.meter)
         plan = self.programs.of((i,)).solve(spaces, self.paths, margins)
         if plan is not None:
