@@ -94,7 +94,9 @@ def cheapest_routes(
     if len(shortest) > TUNING.weighed:
         return {i: Route.evenly(hazards.models[i], corners) for i, corners in shortest.items()}
     most_routes = _FEW_ROUTES if is_quick else _MOST_ROUTES
-    comparison = _Comparison(task, alone, clearance, most_routes)
+    # Nobody shares a detour here, and a dear miss saves every second program.
+    penalty = TUNING.paced_penalty if is_quick else TUNING.first_penalty
+    comparison = _Comparison(task, alone, clearance, most_routes, penalty)
     comparison.compare_routes(grid, shortest)
     if price is not None:
         comparison.seek(price)
@@ -119,6 +121,8 @@ class _Comparison:
         Standard deviations that they keep [-].
     most_routes : int
         Routes of a vehicle on a grid that are compared at most [-].
+    penalty : float
+        Of a meter missed at first, see `Tuning.first_penalty` [-].
     best : dict of int to Route
         The cheapest route of each.
     costs : dict of int to (bool, float)
@@ -129,6 +133,7 @@ class _Comparison:
     alone: SuccessiveLp
     clearance: float
     most_routes: int
+    penalty: float
     best: dict[int, Route] = field(default_factory=dict)
     costs: dict[int, tuple[bool, float]] = field(default_factory=dict)
     _trial: SuccessiveLp = field(init=False)
@@ -198,7 +203,7 @@ class _Comparison:
         costs.
         """
         trial, missed, effort = self._trial, np.inf, np.inf
-        penalty, reach = TUNING.first_penalty, float(self.task.hazards.reaches[vehicle])
+        penalty, reach = self.penalty, float(self.task.hazards.reaches[vehicle])
         for _ in range(_SWEEPS):
             before = trial.paths.means[vehicle].copy()
             trial.plan_alone(vehicle, self.clearance, penalty)
