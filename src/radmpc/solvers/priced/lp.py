@@ -141,7 +141,9 @@ class RiskLp:
                         self.price, 1.0, np.array([budget_row], dtype=np.int32), np.ones(1)
                     )
             inner = [remainders[part] for part in parts]
-            columns = np.flatnonzero(np.isin(program.blocks, members))
+            is_member = np.zeros(int(program.blocks.max(initial=0)) + 1, dtype=bool)
+            is_member[members] = True
+            columns = np.flatnonzero(is_member[program.blocks])
             row = self._lp.add_row(
                 np.append(columns, inner).astype(np.int32),
                 self._row_scale * np.append(program.cost[columns], np.full(len(inner), self.price)),

@@ -51,7 +51,7 @@ class Built:
         """Tell whether a point comes close to what was left out."""
         if not self.left_out:
             return False
-        positions = slice(0, self.program.num_positions)
-        at = self.program.outputs[positions] @ z + self.program.constant[positions]
-        paths = at.reshape(self.scenario.num_vehicles, -1, self.scenario.dimension)
+        # All outputs, since SciPy takes longer to part a matrix than to multiply it.
+        at = self.program.outputs @ z + self.program.constant
+        paths = at[: self.program.num_positions].reshape(self.scenario.num_vehicles, -1, self.scenario.dimension)
         return any(vicinity.is_close(paths) for vicinity in self.left_out)
