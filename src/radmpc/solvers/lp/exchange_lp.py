@@ -189,6 +189,11 @@ class ExchangeLp:
         """Return the left sides of all rows where the last solve ended."""
         return array_of(self._highs.getSolution().row_value)
 
+    @property
+    def objective(self) -> float:
+        """The value of the last solve."""
+        return float(self._highs.getInfo().objective_function_value)
+
     def solve(self, seconds: float = np.inf) -> Vector | None:
         """Minimize from where the last solve ended; return all columns, None without an optimum.
 

@@ -23,12 +23,16 @@ from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL
 from radmpc.solvers.solution import Limits
 from radmpc.sparse_rows import diagonal_rows, rows_of_entries
 
-__all__ = ["NEVER", "GroupLp"]
+__all__ = ["NEVER", "UNASKED", "GroupLp"]
 
 _INF = float("inf")
 
 NEVER = Limits()
 """Nothing is given up."""
+
+UNASKED = 1e-7
+"""Share of the value of a program that the risk at a half-space may be worth that is left out of it
+[-]: of `paper(8)` those beyond five standard deviations."""
 
 _LITTLE = 1e-9
 """Share or length below which a row is left out [-, m]."""
@@ -127,11 +131,12 @@ class GroupLp:
         Notes
         -----
         Of many half-spaces, those near the latest paths are in the program first; those that its
-        solution comes near enter until there are none. It is the solution of all.
+        solution comes near enter until there are none. It is the solution of all, but for risk that
+        is worth next to nothing.
         """
         self._lp.drop()
         is_in = np.zeros(spaces.count, dtype=bool)
-        added, parts = near_first(spaces), list[Entered]()
+        added, parts = near_first(spaces, margins), list[Entered]()
         while True:
             entering = (spaces, margins) if added.all() else (spaces.of(added), margins.of(added))
             parts.append(self._add(*entering, paths))
@@ -194,7 +199,12 @@ class GroupLp:
         rows = self._rows(spaces, paths)
         rights = spaces.offsets + margins.distances
         matrix, lower = self._entries(spaces, paths, rights, (rows, self._lp.num_columns))
-        is_missed = matrix @ values < lower - FEASIBILITY_TOL
+        missing = lower - matrix @ values
+        is_missed = missing > FEASIBILITY_TOL
+        if margins.num_columns > 1:
+            some = np.flatnonzero(is_missed)
+            costs = margins.costs(rows.spaces[some], rows.ends[some], missing[some])
+            is_missed[some] = costs > UNASKED * abs(self._lp.objective)
         return np.bincount(rows.spaces, is_missed, spaces.count) > 0
 
     def _controls_of(self, values: Vector) -> tuple[Matrix, ...]:

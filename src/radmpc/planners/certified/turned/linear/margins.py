@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.gaussian import GAUSSIAN, Tail, tail_probability
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
@@ -93,6 +93,14 @@ class Margins:
         """Return those of some half-spaces, (w,) bool array."""
         distances, lengths = self.distances[chosen], self.lengths[chosen]
         return Margins(distances, lengths, self.prices[chosen], self.risks[chosen], self.penalty)
+
+    def costs(self, spaces: Indices, ends: Indices, given_up: Vector) -> Vector:
+        """Return what it costs to give up lengths, (r,) [m], at ends of half-spaces, (r,) each."""
+        lengths, prices = self.lengths[spaces, ends], self.prices[spaces, ends]
+        before = np.cumsum(lengths, axis=1) - lengths
+        parts = np.clip(given_up[:, None] - before, 0.0, lengths)
+        rest = given_up - parts.sum(axis=1)
+        return np.asarray((parts * prices).sum(axis=1) + self.penalty * np.maximum(rest, 0.0))
 
     def given_up(self, values: Vector, ends: int) -> tuple[float, float]:
         """Return what is missed in all beyond the parts [m], and the risk of those given up [-].

@@ -13,13 +13,14 @@ from radmpc.records import dataclass
 
 __all__ = ["FEW", "Entered", "Rows", "near_first"]
 
-FEW = 256
+FEW = 48
 """Half-spaces up to which all are in a program from the first [-]."""
 
 _NEAR = 5.0
-"""Clearance below which the others are [standard deviations]. Programs of 20, 40 and 12 vehicles in
-space (`forest_20agents_3`, `empty_40agents_3`, `swarm(100, 0)`) are solved 2, 2.8 and 3.2 times as
-fast as with all half-spaces at once, 1.5, 2.6 and 2.5 times from 8 on, and from 3 on."""
+"""Clearance below which the others are [standard deviations] where all are to keep the same."""
+
+_NEAR_SHARE = 0.75
+"""The same where risk has a price, as a share of what is asked for [-]: six standard deviations."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,12 +87,19 @@ class Entered:
         )
 
 
-def near_first(spaces: HalfSpaces) -> npt.NDArray[np.bool_]:
+def near_first(spaces: HalfSpaces, margins: Margins) -> npt.NDArray[np.bool_]:
     """Return what a program begins with: all half-spaces if few, else those near the paths.
 
     Parameters
     ----------
     spaces : HalfSpaces
         Turned to the latest paths.
+    margins : Margins
+        What they ask for.
     """
-    return np.asarray((spaces.clearances < _NEAR).any(axis=1) | (spaces.count <= FEW))
+    if spaces.count <= FEW:
+        return np.ones(spaces.count, dtype=bool)
+    room = spaces.heights - spaces.offsets
+    if margins.num_columns > 1:
+        return np.asarray((room < _NEAR_SHARE * margins.distances).any(axis=1))
+    return np.asarray((spaces.clearances < _NEAR).any(axis=1))
