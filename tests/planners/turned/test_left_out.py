@@ -65,10 +65,9 @@ def test_a_program_that_begins_with_near_half_spaces_ends_with_the_solution_of_a
 ) -> None:
     hazards, paths, spaces = crowd(avoidance)
     monkeypatch.setattr(parts, "_NEAR_SHARE", share)
-    assert spaces.count > group_lp.FEW
+    assert spaces.count > parts.FEW_PRICED
     some, few_rows = solved(hazards, paths, spaces)
-    for module in (group_lp, parts):
-        monkeypatch.setattr(module, "FEW", spaces.count)
+    monkeypatch.setattr(parts, "FEW_PRICED", spaces.count)
     every, all_rows = solved(hazards, paths, spaces)
     assert few_rows < all_rows
     # What is left out is worth no more than this share each.

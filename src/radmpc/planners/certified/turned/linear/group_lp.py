@@ -15,7 +15,7 @@ from radmpc.planners.certified.turned.linear.given import Layout, Places
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.kept_basis import Bounds, KeptBasis
 from radmpc.planners.certified.turned.linear.margins import Margins
-from radmpc.planners.certified.turned.linear.parts import FEW, Entered, Rows, near_first
+from radmpc.planners.certified.turned.linear.parts import Entered, Rows, are_few, near_first
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
@@ -194,7 +194,7 @@ class GroupLp:
         self, spaces: HalfSpaces, paths: Places, margins: Margins, values: Vector
     ) -> npt.NDArray[np.bool_]:
         """Return which half-spaces a solution leaves less room than they ask for, (w,) array."""
-        if spaces.count <= FEW:
+        if are_few(spaces, margins):
             return np.zeros(spaces.count, dtype=bool)
         rows = self._rows(spaces, paths)
         rights = spaces.offsets + margins.distances

@@ -11,10 +11,11 @@ from radmpc.planners.certified.turned.linear.kept_basis import Offered
 from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.records import dataclass
 
-__all__ = ["FEW", "Entered", "Rows", "near_first"]
+__all__ = ["FEW", "FEW_PRICED", "Entered", "Rows", "are_few", "near_first"]
 
-FEW = 48
-"""Half-spaces up to which all are in a program from the first [-]."""
+FEW, FEW_PRICED = 256, 24
+"""Half-spaces up to which all are in a program from the first, and where risk has a price: each has
+some twenty columns then [-]."""
 
 _NEAR = 5.0
 """Clearance below which the others are [standard deviations] where all are to keep the same."""
@@ -87,6 +88,11 @@ class Entered:
         )
 
 
+def are_few(spaces: HalfSpaces, margins: Margins) -> bool:
+    """Return whether half-spaces are so few that a program holds all of them from the first."""
+    return spaces.count <= (FEW_PRICED if margins.num_columns > 1 else FEW)
+
+
 def near_first(spaces: HalfSpaces, margins: Margins) -> npt.NDArray[np.bool_]:
     """Return what a program begins with: all half-spaces if few, else those near the paths.
 
@@ -97,7 +103,7 @@ def near_first(spaces: HalfSpaces, margins: Margins) -> npt.NDArray[np.bool_]:
     margins : Margins
         What they ask for.
     """
-    if spaces.count <= FEW:
+    if are_few(spaces, margins):
         return np.ones(spaces.count, dtype=bool)
     room = spaces.heights - spaces.offsets
     if margins.num_columns > 1:
