@@ -95,6 +95,8 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
     for kept in clearances:
         if attempt.is_placed:
             successive.restore(begun)
+        # With less clearance nothing was certified, and the proof that follows needs a price.
+        attempt.turning.is_above = begin.is_followed and kept < begin.clearance
         is_apart = attempt.keep_apart(kept, limits)
         missed = float(successive.missed.sum())
         is_hopeful = is_apart or missed <= allowed

@@ -59,6 +59,8 @@ class Turning:
         Certificate of a plan with which turning ends [-]; inf where it goes on to the best one.
     programs : WarmPrograms or None
         Linear programs to go on with, see `SuccessiveLp`.
+    is_above : bool
+        Whether it begins with paths that risk too much: the referee is not asked of these.
     """
 
     task: Task
@@ -73,6 +75,7 @@ class Turning:
     is_patient: bool = False
     enough: float = float("inf")
     programs: WarmPrograms | None = None
+    is_above: bool = False
 
     def __post_init__(self) -> None:
         """Choose who shares a linear program."""
@@ -111,7 +114,8 @@ class Turning:
         control = PriceControl(self.price, task.risk_bound, task.gap, rival, *flags)
         self.successive.forget_all_but(self.groups)
         begun = time.monotonic()
-        control.begin(self._take(), paths.cost(), paths.state())
+        begin = float("inf") if self.is_above else self._take()
+        control.begin(begin, paths.cost(), paths.state())
         left = task.limits.seconds_left
         # A round without time for its certificate comes to nothing.
         useful = task.limits.within(left - (time.monotonic() - begun))
