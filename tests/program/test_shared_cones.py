@@ -41,3 +41,11 @@ def test_shared_cones_make_the_same_programs(avoidance: str) -> None:
         assert np.array_equal(one.rows.deviations, other.rows.deviations)
         assert np.array_equal(one.alternative_starts, other.alternative_starts)
         assert np.array_equal(one.avoidance_starts, other.avoidance_starts)
+
+
+def test_vehicles_out_of_reach_of_everything_have_no_rows() -> None:
+    scenario = paper(2, 0)
+    near = min(v.start[0] for v in scenario.vehicles)
+    far = replace(scenario.vehicles[0], start=(near - 500.0, *scenario.vehicles[0].start[1:]))
+    program = relaxed(replace(scenario, vehicles=(far, scenario.vehicles[1])), (0,), None)
+    assert program.rows.count == program.num_avoidances == 0

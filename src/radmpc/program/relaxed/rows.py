@@ -177,16 +177,21 @@ def _entries(
     instants: Instants, instant: Indices, normals: Matrix, rows: Indices
 ) -> tuple[Indices, Indices, Vector]:
     """Return rows, outputs and values of ``-normal · position`` at the instant of each row."""
+    if not instant.size:
+        nothing: Indices = np.zeros(0, dtype=np.int64)
+        return nothing, nothing, np.zeros(0)
     d = normals.shape[1]
     windows, shares = instants.windows[instant], instants.shares[instant]
     found: list[tuple[Indices, Indices, Tensor]] = []
     for part in instants.parts:
         for step, weight in ((windows, 1.0 - shares), (windows + 1, shares)):
             chosen = np.flatnonzero(weight > 0.0)
+            if not chosen.size:
+                continue
             outputs = part.position + step[chosen, None] * d + np.arange(d)
             values = -part.sign * weight[chosen, None] * normals[chosen]
             found.append((np.repeat(rows[chosen], d), outputs.ravel(), values.ravel()))
-        if part.sagitta.any():
+        if part.sagitta.any() and np.any(shares < 1.0):
             found.append(_sagitta_entries(part, windows, shares, normals, rows))
     first, second, third = zip(*found, strict=True)
     return np.concatenate(first), np.concatenate(second), np.concatenate(third)

@@ -32,7 +32,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.executing import in_order
-from radmpc.program.relaxed.shared_rows import SharedCones
+from radmpc.program.relaxed.shared_rows import SharedCones, SharedRows
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import relative_gap
@@ -96,10 +96,12 @@ class BoundSearch:
     order: tuple[Members, ...] = field(init=False)
     _totals: PartTotals = field(init=False)
     _cones: SharedCones = field(default_factory=SharedCones)
+    _rows: SharedRows = field(init=False)
 
     def __post_init__(self) -> None:
         """Tabulate the tails, and choose the parts."""
         self.tails = None if self.is_by_faces else tails_for(self.fleet.scenario)
+        self._rows = SharedRows(self._cones)
         self.regroup(self.incumbent.sets)
 
     def regroup(self, sets: tuple[Members, ...]) -> None:
@@ -287,7 +289,11 @@ class BoundSearch:
     def _answer_here(self, members: Members, order: PartOrder) -> PartAnswer:
         """Search a part in this process."""
         order = replace(order, most_nodes=min(order.most_nodes, self._nodes_left))
-        return search_part(self._task(members, order), self.fleet.limits, self._cones)
+        task, keeps_rows = self._task(members, order), not self.fleet.is_large
+        # Where reach is narrowed, it is another one every time; in large fleets rows are many.
+        keeps_rows &= not task.part.is_narrowed
+        shared = self._rows if keeps_rows else SharedRows(self._cones)
+        return search_part(task, self.fleet.limits, shared)
 
     @property
     def _nodes_left(self) -> float:
