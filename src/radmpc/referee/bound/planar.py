@@ -151,16 +151,14 @@ def _outlines(
     normals = angles - 0.5 * np.pi
     aside = np.stack([np.cos(normals), np.sin(normals)], axis=2) * radii[:, None, None]
     previous = np.concatenate([normals[:, -1:] - 2.0 * np.pi, normals[:, :-1]], axis=1)
-    nothing = np.zeros_like(sides)
-    circles = radii[:, None, None, None] * np.broadcast_to(np.eye(2), (*angles.shape, 2, 2))
-    families = np.stack(
-        [
-            np.stack([corners + aside, sides, nothing, nothing]),
-            np.stack([corners, nothing, circles[..., 0], circles[..., 1]]),
-        ],
-        axis=2,
-    )
-    place, slope, even, odd = np.einsum("sij,fsevj->fsevi", standard, families).reshape(4, -1, 2)
+    # Of each corner the side that begins there, then the arc around it.
+    place, slope, even, odd = np.zeros((4, num_sites, 2, num_corners, 2))
+    place[:, 0] = _turned(standard, corners + aside)
+    place[:, 1] = _turned(standard, corners)
+    slope[:, 0] = _turned(standard, sides)
+    even[:, 1] = (radii[:, None] * standard[:, :, 0])[:, None]
+    odd[:, 1] = (radii[:, None] * standard[:, :, 1])[:, None]
+    place, slope, even, odd = (each.reshape(-1, 2) for each in (place, slope, even, odd))
     curved = np.tile(np.repeat([False, True], num_corners), num_sites)
     begin = np.stack([np.zeros_like(angles), previous], axis=1).ravel()
     end = np.stack([np.ones_like(angles), normals], axis=1).ravel()
@@ -176,6 +174,15 @@ def _outlines(
         turn=_ahead(standard, outward),
     )
     return outlines, begin[real], end[real]
+
+
+def _turned(standard: Tensor, vectors: Tensor) -> Tensor:
+    """Return vectors, (S, V, 2), in standard coordinates; their matrices are lower triangular."""
+    turned = np.empty_like(vectors)
+    turned[..., 0] = standard[:, 0, 0, None] * vectors[..., 0]
+    turned[..., 1] = standard[:, 1, 0, None] * vectors[..., 0]
+    turned[..., 1] += standard[:, 1, 1, None] * vectors[..., 1]
+    return turned
 
 
 def _ahead(standard: Tensor, outward: Matrix) -> Matrix:
