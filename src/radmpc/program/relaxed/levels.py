@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Indices, frozen
+from radmpc.arrays import Indices
 from radmpc.records import dataclass
 
 __all__ = ["Level", "Levels", "levels_of"]
@@ -81,7 +81,7 @@ def _levels_of(written: bytes) -> Levels:
         outer = np.where(is_part, parents[outer], -1)
     ranked = depth.argsort(kind="stable")
     cut = np.split(ranked, np.flatnonzero(np.diff(depth[ranked])) + 1)
-    return Levels(frozen(is_narrow), tuple(_level(cones, parents, is_narrow) for cones in cut))
+    return Levels(is_narrow, tuple(_level(cones, parents, is_narrow) for cones in cut))
 
 
 def _level(cones: Indices, parents: Indices, is_narrow: npt.NDArray[np.bool_]) -> Level:
@@ -90,5 +90,4 @@ def _level(cones: Indices, parents: Indices, is_narrow: npt.NDArray[np.bool_]) -
     order = cones[outer.argsort(kind="stable")]
     above = parents[order]
     begins = np.flatnonzero(np.append(True, above[1:] != above[:-1]))
-    found = cones, outer, cones[~is_narrow[cones]], order, begins, above[begins]
-    return Level(*(frozen(each) for each in found))
+    return Level(cones, outer, cones[~is_narrow[cones]], order, begins, above[begins])

@@ -53,5 +53,7 @@ class Built:
             return False
         # All outputs, since SciPy takes longer to part a matrix than to multiply it.
         at = self.program.outputs @ z + self.program.constant
-        paths = at[: self.program.num_positions].reshape(self.scenario.num_vehicles, -1, self.scenario.dimension)
+        paths = at[: self.program.num_positions].reshape(
+            self.scenario.num_vehicles, -1, self.scenario.dimension
+        )
         return any(vicinity.is_close(paths) for vicinity in self.left_out)

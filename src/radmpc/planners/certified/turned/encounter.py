@@ -163,15 +163,15 @@ def _around(normals: Tensor, step: float) -> Tensor:
     return np.asarray(moved / np.linalg.norm(moved, axis=2, keepdims=True))
 
 
-def ends_of(hazards: Hazards, start: Matrix, end: Matrix) -> tuple[Matrix, ...]:
-    """Return the ends of windows that count.
+def ends_of(hazards: Hazards, start: Tensor, end: Tensor) -> tuple[Tensor, ...]:
+    """Return what there is at the ends of windows that count: at both, or at the later one.
 
     Parameters
     ----------
     hazards : Hazards
         The fleet.
-    start, end : (w, d) array
-        (Relative) positions at both ends of each window [m].
+    start, end : (w, …) array
+        (Relative) positions or corners at both ends of each window [m].
     """
     return (start, end) if hazards.intervals else (end,)
 

@@ -182,7 +182,7 @@ def _around(
     place, piece = places[number], pieces[number]
     first, radius = members[place], hazards.radii[members[place]][:, None]
     later = shapes.vertices[piece, window + 1]
-    corners = (shapes.vertices[piece, window] if hazards.intervals else later), later
+    corners = ends_of(hazards, shapes.vertices[piece, window], later)
 
     def supports(directions: Tensor) -> tuple[Vector, Vector]:
         end = furthest(directions, later) + radius
@@ -196,10 +196,8 @@ def _around(
             supports,
         )
 
-    # At steps alone the path is a point, and the corners are those there.
-    chord = begin[place, window], path[place, window + 1]
-    ends = slice(0 if hazards.intervals else 1, 2)
-    tried = from_shape(shapes.faces[piece, window], corners[ends], chord[ends])
+    chord = ends_of(hazards, begin[place, window], path[place, window + 1])
+    tried = from_shape(shapes.faces[piece, window], corners, chord)
     met = encounter(paths)
     if near.is_refined and piece.size:
         normals = refined((met, encounter(ahead)), tried)

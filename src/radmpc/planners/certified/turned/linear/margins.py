@@ -95,7 +95,20 @@ class Margins:
         return Margins(distances, lengths, self.prices[chosen], self.risks[chosen], self.penalty)
 
     def costs(self, spaces: Indices, ends: Indices, given_up: Vector) -> Vector:
-        """Return what it costs to give up lengths, (r,) [m], at ends of half-spaces, (r,) each."""
+        """Return what it costs to give up lengths.
+
+        Parameters
+        ----------
+        spaces, ends : (r,) int array
+            Half-spaces, and at which end of each.
+        given_up : (r,) array
+            The lengths [m].
+
+        Returns
+        -------
+        (r,) array
+            The cheapest parts first, and what is missed beyond them.
+        """
         lengths, prices = self.lengths[spaces, ends], self.prices[spaces, ends]
         before = np.cumsum(lengths, axis=1) - lengths
         parts = np.clip(given_up[:, None] - before, 0.0, lengths)

@@ -89,7 +89,15 @@ class Entered:
 
 
 def are_few(spaces: HalfSpaces, margins: Margins) -> bool:
-    """Return whether half-spaces are so few that a program holds all of them from the first."""
+    """Return whether half-spaces are so few that a program holds all of them from the first.
+
+    Parameters
+    ----------
+    spaces : HalfSpaces
+        Turned to the latest paths.
+    margins : Margins
+        What they ask for.
+    """
     return spaces.count <= (FEW_PRICED if margins.num_columns > 1 else FEW)
 
 
