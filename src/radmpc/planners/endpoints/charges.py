@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,13 +16,16 @@ from radmpc.referee.bound.bounds import instant_risks
 from radmpc.referee.contact import solid_distances, solid_of
 from radmpc.referee.encounters import Encounters
 
-__all__ = ["border_charges", "charges", "distances", "far_of"]
+__all__ = ["Place", "border_charges", "charges", "distances", "far_of"]
 
 _FAR = 8.5
 """Clearance beyond which a hazard counts as nothing (1e-17) [standard deviations]."""
 
 _LEAST = 1e-4
 """Share of Δ below which a hazard counts as nothing [-]: most of a large fleet's need no look."""
+
+_MOST_POINTS = 400
+"""Points of places that are looked at together [-]."""
 
 
 def far_of(scenario: Scenario) -> float:
@@ -41,15 +45,11 @@ def far_of(scenario: Scenario) -> float:
     return min(tail.beyond(_FAR), float(tail.clearance_for(_LEAST * scenario.risk_bound)))
 
 
-def charges(
-    scenario: Scenario, points: Matrix, covariance: Matrix, radius: float, piece: Polytope | None
-) -> Vector:
-    """Return what the referee says of a mean at every point; the origin is what pairs avoid.
+class Place(NamedTuple):
+    """Where a mean may be, and what it is to avoid there.
 
-    Parameters
+    Attributes
     ----------
-    scenario : Scenario
-        The fleet, for how well covariances are known.
     points : (n, d) array
         Means [m]: of a vehicle, or of how two are apart.
     covariance : (d, d) array
@@ -57,14 +57,45 @@ def charges(
     radius : float
         Of the vehicle, or the sum of both [m].
     piece : Polytope or None
-        What is to be avoided; None for the origin.
+        What is to be avoided; None for the origin, which pairs avoid.
+    """
+
+    points: Matrix
+    covariance: Matrix
+    radius: float
+    piece: Polytope | None
+
+
+def charges(scenario: Scenario, places: Sequence[Place]) -> list[Vector]:
+    """Return what the referee says of a mean at every point of places.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet, for how well covariances are known.
+    places : sequence of Place
+        The places.
 
     Returns
     -------
-    (n,) array
-        Probabilities [-].
+    list of (n,) array
+        Probabilities [-], those of each place.
     """
-    count, d = points.shape
+    found: list[Vector] = []
+    # As many at once as the referee looks at in one go: a single place takes nearly as long.
+    waiting, num_points = list[Encounters](), 0
+    for place in places:
+        if waiting and num_points + len(place.points) > _MOST_POINTS:
+            found += [risks[0] for risks in instant_risks(waiting)]
+            waiting, num_points = [], 0
+        waiting.append(_encounters_at(scenario, place))
+        num_points += len(place.points)
+    return found + [risks[0] for risks in instant_risks(waiting)]
+
+
+def _encounters_at(scenario: Scenario, place: Place) -> Encounters:
+    """Return one encounter, whose steps are the points of a place."""
+    (count, d), piece = place.points.shape, place.piece
     axes = np.concatenate([np.eye(d), -np.eye(d)])
     vertices, normals = np.zeros((1, d)), axes
     edges = np.zeros((0, 2, d))
@@ -72,23 +103,21 @@ def charges(
         vertices, normals = piece.vertices, np.vstack([axes, piece.normals])
         edges = edges if d == 2 else solid_of(piece).edges
     none: Indices = np.zeros(1, dtype=np.int64)
-    places = Encounters(
+    return Encounters(
         kind="pair" if piece is None else "obstacle",
         first=none,
         other=none,
         piece=none,
-        means=points[None],
-        covariances=np.broadcast_to(covariance, (1, count, d, d)),
+        means=place.points[None],
+        covariances=np.broadcast_to(place.covariance, (1, count, d, d)),
         bent_covariances=None,
         sagittas=np.zeros((1, count - 1, d)),
-        radii=np.array([radius]),
+        radii=np.array([place.radius]),
         vertices=vertices[None, None],
         directions=normals[None],
         edges=edges[None, None],
         samples=scenario.covariance_samples,
     )
-    risks: Vector = instant_risks([places])[0][0]
-    return risks
 
 
 def distances(points: Matrix, piece: Polytope) -> Vector:

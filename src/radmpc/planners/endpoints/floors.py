@@ -9,7 +9,7 @@ over the corners of small boxes, summed over hazards, is therefore a bound that 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
 from radmpc.planners.endpoints.boxes import Box, Shapes
-from radmpc.planners.endpoints.charges import border_charges, charges, distances, far_of
+from radmpc.planners.endpoints.charges import Place, border_charges, charges, distances, far_of
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.relative import relative_covariances
 from radmpc.records import dataclass
@@ -156,47 +156,89 @@ def _hazards(
     """Return what starts or goals risk, of all or of one, and of each, other vehicles aside."""
     boxes = [Box.at_endpoint(model, at_goal=at_goal) for model in models]
     shapes = Shapes.of(scenario, scenario.horizon if at_goal else 0)
+    looks = [
+        _look(scenario, i, boxes[i], shapes, at_goal=at_goal)
+        for i in (range(len(boxes)) if only is None else (only,))
+    ]
+    asked = [place for look in looks for places in look.places.values() for place in places]
+    risks = iter(charges(scenario, asked))
     found: list[EndpointHazard] = []
     least = np.zeros(len(boxes))
-    for i in range(len(boxes)) if only is None else (only,):
-        hazards, least[i] = _of_vehicle(scenario, i, boxes[i], shapes, at_goal=at_goal)
+    for look in looks:
+        hazards, least[look.vehicle] = _of_vehicle(scenario, look, risks, at_goal=at_goal)
         found += hazards
     found += _of_pairs(scenario, models, boxes, at_goal=at_goal, only=only)
     return tuple(sorted(found, key=lambda hazard: -hazard.risk)), least
 
 
-def _of_vehicle(
-    scenario: Scenario, i: int, box: Box, shapes: Shapes, *, at_goal: bool
-) -> tuple[list[EndpointHazard], float]:
-    """Return what one vehicle risks at an endpoint, hazard by hazard and in all."""
-    radius = scenario.vehicles[i].radius
-    close = shapes.near(box, radius, far_of(scenario))
+@dataclass(frozen=True, slots=True, eq=False)
+class _Look:
+    """What one vehicle is near at an endpoint.
+
+    Attributes
+    ----------
+    vehicle : int
+        Its number.
+    box : Box
+        Where its mean may be.
+    cells : int
+        Cells per axis into which that is cut.
+    points : (n, d) array
+        Their corners [m]; none where nothing is near.
+    places : dict of str to list of Place
+        Pieces of obstacles that it is near, by obstacle.
+    """
+
+    vehicle: int
+    box: Box
+    cells: int
+    points: Matrix
+    places: dict[str, list[Place]]
+
+
+def _look(scenario: Scenario, i: int, box: Box, shapes: Shapes, *, at_goal: bool) -> _Look:
+    """Return what one vehicle is near at an endpoint."""
+    vehicle = scenario.vehicles[i]
+    close = shapes.near(box, vehicle.radius, far_of(scenario))
     if not close and scenario.workspace is None:
         # As of most vehicles in a large fleet.
-        return [], 0.0
+        return _Look(i, box, 1, np.zeros((0, scenario.dimension)), {})
     cells = _CELLS[scenario.dimension] if at_goal else 1
     points = box.corners(cells)
+    mine = {obstacle.name for obstacle in met_by(scenario.obstacles, vehicle.name)}
+    places = {
+        name: [
+            Place(points, shapes.covariance(name, box), vehicle.radius, piece) for piece in pieces
+        ]
+        for name, pieces in close.items()
+        if name in mine
+    }
+    return _Look(i, box, cells, points, places)
+
+
+def _of_vehicle(
+    scenario: Scenario, look: _Look, risks: Iterator[Vector], *, at_goal: bool
+) -> tuple[list[EndpointHazard], float]:
+    """Return what one vehicle risks at an endpoint, hazard by hazard and in all."""
+    i, cells, points = look.vehicle, look.cells, look.points
+    if not points.size:
+        return [], 0.0
     hazards: list[EndpointHazard] = []
     fields: list[Vector] = []
-    mine = {obstacle.name for obstacle in met_by(scenario.obstacles, scenario.vehicles[i].name)}
-    for name, near in close.items():
-        if name not in mine:
-            continue
+    for name, places in look.places.items():
         # Pieces of one obstacle are one hazard: the worst of them is a bound on their union.
-        covariance = shapes.covariance(name, box)
-        found = [charges(scenario, points, covariance, radius, piece) for piece in near]
-        by_piece = [_cells(risks, cells) for risks in found]
-        field = np.maximum.reduce(by_piece)
-        distance = min(float(distances(points, piece).max()) for piece in near)
+        field = np.maximum.reduce([_cells(next(risks), cells) for _ in places])
+        pieces = (place.piece for place in places if place.piece is not None)
+        distance = min(float(distances(points, piece).max()) for piece in pieces)
         fields.append(field)
         hazards.append(
             EndpointHazard("obstacle", (i,), name, at_goal, float(field.min()), distance)
         )
-    borders = list(border_charges(scenario, box, points))
+    borders = list(border_charges(scenario, look.box, points))
     if borders:
         # Opposite faces exclude each other, and the referee adds up all of them. Each is least at a
         # corner of a cell; their sum may be least in between.
-        field = np.sum([_cells(risks, cells) for risks, _ in borders], axis=0)
+        field = np.sum([_cells(leaving, cells) for leaving, _ in borders], axis=0)
         fields.append(field)
         distance = min(most for _, most in borders)
         hazards.append(
@@ -223,7 +265,7 @@ def _of_pairs(
     spreads = np.array([box.spread for box in boxes])
     far = far_of(scenario)
     near = 2.0 * (radii.max() + halves.max() + far * spreads.max()) + 1e-6
-    found = []
+    asked, pairs = list[Place](), list[tuple[int, int, float]]()
     for i, j in near_pairs(centers, float(near)).tolist():
         if only is not None and only not in (i, j):
             continue
@@ -235,7 +277,10 @@ def _of_pairs(
         if most >= radii[i] + radii[j] + far * box.spread + 1e-6:
             continue
         radius = float(radii[i] + radii[j])
-        risks = charges(scenario, points, box.covariance, radius, None)
+        asked.append(Place(points, box.covariance, radius, None))
+        pairs.append((i, j, most))
+    found = []
+    for (i, j, most), risks in zip(pairs, charges(scenario, asked), strict=True):
         if risks.min() > 0.0:
             found.append(EndpointHazard("pair", (i, j), None, at_goal, float(risks.min()), most))
     return found

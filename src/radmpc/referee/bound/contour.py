@@ -37,13 +37,13 @@ __all__ = ["enclosed"]
 _REL_TOL, _TINY = 1e-6, 1e-300
 """Sum of all error bounds at which a site is done [-]: relative to its probability, absolute."""
 
-_ROUNDS, _MOST_PIECES = 40, 2000
-"""Rounds of halving (1e7 deviations of outline need 24), and pieces, beyond which a site is left as
-it is."""
+_HALVINGS, _MOST_PIECES = 40, 2000
+"""Halvings of a piece (1e7 deviations of outline need 24), and pieces of a site, beyond which it is
+left as it is."""
 
 _FEW_PIECES, _MANY_PARTS = 32, 8
-"""Pieces up to which each is cut into so many parts at once instead of two [-]: few take as long as
-one, and mostly need three halvings."""
+"""Pieces up to which each is cut into eight at once instead of two, as by three halvings [-]: few
+take as long as one, and mostly need as many."""
 
 _PROMISE = 0.1
 """Error bound, over the tolerance and the integral's size [-], to integrate a piece at once."""
@@ -83,10 +83,9 @@ class _Pieces:
         numbers = np.concatenate([own, local.numbers])
         return cls(element, local.curved, np.ones(len(half), dtype=bool), numbers)
 
-    def parted(self, outlines: Outlines) -> Self:
-        """Return equal parts of each, not integrated yet: halves, but more where pieces are few."""
+    def parted(self, outlines: Outlines, count: int) -> Self:
+        """Return so many equal parts of each, not integrated yet."""
         middle, half = self.numbers[:2]
-        count = _MANY_PARTS if half.size <= _FEW_PIECES else 2
         ends = middle + half * np.linspace(-1.0, 1.0, count + 1)[:, None]
         element = np.tile(self.element, count)
         return type(self).cut(outlines, element, ends[:-1].ravel(), ends[1:].ravel())
@@ -136,7 +135,9 @@ def enclosed(
         Integrals plus all error bounds.
     """
     pieces = _Pieces.cut(outlines, element, begin, end)
-    for _ in range(_ROUNDS):
+    # Pieces parted more often than numbers have digits would have no length, and nothing inside.
+    halvings = _HALVINGS
+    while halvings > 0:
         site = outlines.site[pieces.element]
         allowed = _allowed(pieces, site, num_sites)
         loose = pieces.numbers[_SLACK] > allowed[site]
@@ -144,7 +145,9 @@ def enclosed(
             break
         kept, poor = pieces.take(~loose), pieces.take(loose)
         ready = poor.fresh & _promising(poor, allowed[site[loose]])
-        parts = poor.take(~ready).parted(outlines)
+        is_quick = halvings >= 3 and np.sum(~ready) <= _FEW_PIECES
+        count, taken = (_MANY_PARTS, 3) if is_quick else (2, 1)
+        parts, halvings = poor.take(~ready).parted(outlines, count), halvings - taken
         limit = allowed[outlines.site[parts.element]]
         soon = (parts.numbers[_SLACK] > limit) & _promising(parts, limit)
         whole = poor.take(ready).joined(parts.take(soon)).integrated()

@@ -21,6 +21,10 @@ _FLATTEST = 1e-15
 """Determinant of a covariance, as a share of the larger variance squared [-], below which it is
 singular up to rounding and left to half-spaces."""
 
+_FINEST = 1e-14
+"""Smaller deviation, as a share of the largest coordinate [-], below which a covariance is left to
+half-spaces, too: places along outlines have no more digits than that."""
+
 _ROUNDING = 16.0
 """Units in the last place of the largest coordinate by which radii are rounded up, and one more for
 each corner: more than rounding moves any point of an outline."""
@@ -52,7 +56,8 @@ def grown_polygon_risks(
     normals : (S, 2) array
         Best half-space found, away from the set: speed and tightness depend on it, nothing else.
     bounds : (S,) array
-        Its risk, returned where it is smaller or the covariance is singular.
+        Its risk, returned where it is smaller or the covariance is singular, or too small for the
+        coordinates' digits.
 
     Returns
     -------
@@ -67,7 +72,9 @@ def grown_polygon_risks(
     axes = np.where(variances[:, :1] >= variances[:, 1:], [0, 1], [1, 0])
     large = np.take_along_axis(variances, axes[:, :1], axis=1)[:, 0]
     determinants = _determinants(covariances)
-    usable = np.flatnonzero(determinants > _FLATTEST * np.square(large))
+    size = np.abs(vertices).max(axis=(1, 2)) + np.abs(means).max(axis=1) + radii
+    finest = np.square(_FINEST * size) * large
+    usable = np.flatnonzero(determinants > np.maximum(_FLATTEST * np.square(large), finest))
     if not usable.size:
         return result
     axes = axes[usable]
@@ -75,9 +82,8 @@ def grown_polygon_risks(
     corners = np.take_along_axis(vertices[usable], axes[:, None, :], axis=2)
     middles = np.take_along_axis(means[usable], axes, axis=1)
     outward = np.take_along_axis(normals[usable], axes, axis=1)
-    size = np.abs(corners).max(axis=(1, 2)) + np.abs(middles).max(axis=1) + radii[usable]
     units = np.finfo(float).eps * (_ROUNDING + corners.shape[1])
-    grown = radii[usable] + units * size
+    grown = radii[usable] + units * size[usable]
     corners, angles = _convex(corners - middles[:, None, :])
     outlines, begin, end = _outlines(standard, corners, angles, grown, outward)
     element, begin, end = _first_pieces(outlines, begin, end, outward)
