@@ -15,6 +15,7 @@ from radmpc.model.relations.concerns import concerned
 from radmpc.model.scenario import Scenario
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
+from radmpc.program.relative import are_isotropic
 from radmpc.records import dataclass, replace
 
 __all__ = ["Hazards", "Shapes"]
@@ -120,6 +121,8 @@ class Hazards:
         Who stays within a range of whom [m].
     concerned : (N, O) bool array or None
         Which pieces concern whom; None where all concern everybody.
+    is_isotropic : bool
+        Whether everything deviates alike in all directions.
     """
 
     models: tuple[CondensedModel, ...]
@@ -136,6 +139,7 @@ class Hazards:
     tail: Tail = GAUSSIAN
     ranges: tuple[tuple[int, int, float], ...] = ()
     concerned: npt.NDArray[np.bool_] | None = None
+    is_isotropic: bool = False
 
     @classmethod
     def of(cls, scenario: Scenario, models: Sequence[CondensedModel]) -> Hazards:
@@ -148,23 +152,22 @@ class Hazards:
         models : sequence of CondensedModel
             Its vehicles over the whole horizon.
         """
-        bent = None
-        if any(model.bent_covariances is not None for model in models):
-            bent = np.array([_bent(model) for model in models])
+        is_bent = any(model.bent_covariances is not None for model in models)
         workspace = scenario.workspace
         reaches = [(model.reach_lower, model.reach_upper) for model in models]
         covariances = np.array([model.position_covariances for model in models])
         variances = np.maximum(np.trace(covariances[:, 1:], axis1=2, axis2=3), 0.0)
         shared = [] if not scenario.has_shared else [m.common for m in models]
+        shapes = Shapes.of(scenario)
         return cls(
             tuple(models),
             np.array([model.vehicle.radius for model in models]),
             covariances,
             # Of a pair at most (σ_1 + σ_2)² ≤ 2 σ_1² + 2 σ_2², however it is correlated.
             2.0 * variances if shared else variances,
-            bent,
+            np.array([_bent(model) for model in models]) if is_bent else None,
             scenario.avoidance == "intervals",
-            Shapes.of(scenario),
+            shapes,
             None if workspace is None else (workspace.lower, workspace.upper),
             np.array([max(np.abs(np.diff(r, axis=0)).max() for r in both) for both in reaches]),
             _responses(shared, "positions"),
@@ -172,6 +175,7 @@ class Hazards:
             Tail(scenario.covariance_samples),
             _ranges(scenario) if scenario.keep else (),
             _concerned(scenario),
+            not shared and all(are_isotropic(c) for c in (covariances, shapes.covariances)),
         )
 
     def joint(self, steps: Indices, first: Indices, second: Indices | None) -> Tensor:

@@ -12,7 +12,16 @@ from radmpc.model.obstacle_track import TrackSpread
 from radmpc.program.avoidance import Body, Part
 from radmpc.program.condensed import CondensedModel
 
-__all__ = ["own_body", "relative_bent_covariances", "relative_body", "relative_covariances"]
+__all__ = [
+    "are_isotropic",
+    "own_body",
+    "relative_bent_covariances",
+    "relative_body",
+    "relative_covariances",
+]
+
+_SAME = 1e-12
+"""Share of a variance by which those of isotropic noise may differ [-]."""
 
 
 def own_body(model: CondensedModel, part: Part, spread: TrackSpread | None) -> Body:
@@ -98,3 +107,18 @@ def relative_bent_covariances(one: CondensedModel, two: CondensedModel) -> Tenso
     both = one.common, two.common
     mine, other = side_by_side([r.columns for r in both], [r.bent for r in both])
     return without_common(total, mine, other)
+
+
+def are_isotropic(covariances: Tensor | None) -> bool:
+    """Return whether noise is the same in all directions.
+
+    Parameters
+    ----------
+    covariances : (…, d, d) array or None
+        Of the noise [m²]; None is that there is none.
+    """
+    if covariances is None:
+        return True
+    d = covariances.shape[-1]
+    mean = np.trace(covariances, axis1=-2, axis2=-1)[..., None, None] / d
+    return bool(np.all(np.abs(covariances - mean * np.eye(d)) <= _SAME * np.abs(mean)))

@@ -121,7 +121,8 @@ def solved(lp: GroupLp, hazards: Hazards, controls: list[np.ndarray]) -> GroupPl
     paths = Paths(hazards)
     for i, pushed in enumerate(controls):
         paths.fly(i, pushed)
-    spaces = half_spaces(hazards, paths, (0, 1), Near(3.0, 1.0, is_refined=True))
+    # Along lines of closest approach, which do not depend on what noise is taken to be.
+    spaces = half_spaces(hazards, paths, (0, 1), Near(3.0, 1.0, is_refined=False))
     answer = lp.solve(spaces, paths, fixed_margins(spaces.deviations, 3.0, 1e3))
     assert answer is not None
     return answer

@@ -26,11 +26,26 @@ class SharedCones:
 
     They are the same for all vehicles of one size whose noise is the same, wherever these may be,
     and for all pairs of such: from the second that asks on, they are known at every instant.
+
+    Parameters
+    ----------
+    keeps_rows : bool
+        Whether rows of them are kept for all, too: in large fleets they are many.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, keeps_rows: bool = False) -> None:
+        self._keeps_rows = keeps_rows
         self._known: dict[_Hazard, Cones] = {}
         self._seen: set[_Hazard] = set()
+        self._rows: SharedRows | None = None
+
+    def rows(self) -> SharedRows:
+        """Return rows of these cones: those of all who ask, or new ones where none are kept."""
+        if not self._keeps_rows:
+            return SharedRows(self)
+        if self._rows is None:
+            self._rows = SharedRows(self)
+        return self._rows
 
     def at(
         self,

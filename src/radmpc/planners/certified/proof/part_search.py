@@ -15,7 +15,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import in_empty_space, within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.program.build import point_of
-from radmpc.program.relaxed.shared_rows import SharedRows
+from radmpc.program.relaxed.shared_rows import SharedCones, SharedRows
 from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
@@ -23,7 +23,7 @@ from radmpc.solvers.solution import Limits
 __all__ = ["search_part", "search_part_elsewhere"]
 
 
-def search_part(task: PartTask, limits: Limits, shared: SharedRows | None = None) -> PartAnswer:
+def search_part(task: PartTask, limits: Limits, cones: SharedCones | None = None) -> PartAnswer:
     """Search a part on.
 
     Parameters
@@ -32,7 +32,7 @@ def search_part(task: PartTask, limits: Limits, shared: SharedRows | None = None
         The part, and what is asked.
     limits : Limits
         When to stop early.
-    shared : SharedRows or None
+    cones : SharedCones or None
         Those of other parts.
 
     Returns
@@ -40,7 +40,8 @@ def search_part(task: PartTask, limits: Limits, shared: SharedRows | None = None
     PartAnswer
         What is known then; the same wherever it was searched, unless a limit ended it.
     """
-    shared = SharedRows() if shared is None else shared
+    # Where reach is narrowed, it is another one every time.
+    shared = SharedRows(cones) if cones is None or task.part.is_narrowed else cones.rows()
     search = _PartSearch(task.part, task.order, limits, dict(task.proven), shared)
     is_new = search.advance(tuple(range(len(task.part.members))))
     return PartAnswer(search.sets, search.nodes, is_new)

@@ -32,7 +32,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.executing import in_order
-from radmpc.program.relaxed.shared_rows import SharedCones, SharedRows
+from radmpc.program.relaxed.shared_rows import SharedCones
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import relative_gap
@@ -40,9 +40,6 @@ from radmpc.solvers.solution import relative_gap
 __all__ = ["BoundSearch"]
 
 _LOG = logging.getLogger(__name__)
-
-_NOTHING: Mapping[Members, RelaxedSet] = {}
-"""What is known of a part before it was searched."""
 
 
 @dataclass(slots=True, eq=False)
@@ -95,13 +92,12 @@ class BoundSearch:
     proven: dict[Members, Mapping[Members, RelaxedSet]] = field(default_factory=dict)
     order: tuple[Members, ...] = field(init=False)
     _totals: PartTotals = field(init=False)
-    _cones: SharedCones = field(default_factory=SharedCones)
-    _rows: SharedRows = field(init=False)
+    _cones: SharedCones = field(init=False)
 
     def __post_init__(self) -> None:
         """Tabulate the tails, and choose the parts."""
         self.tails = None if self.is_by_faces else tails_for(self.fleet.scenario)
-        self._rows = SharedRows(self._cones)
+        self._cones = SharedCones(keeps_rows=not self.fleet.is_large)
         self.regroup(self.incumbent.sets)
 
     def regroup(self, sets: tuple[Members, ...]) -> None:
@@ -186,12 +182,12 @@ class BoundSearch:
     def _found(self) -> Iterator[tuple[Members, RelaxedSet]]:
         """Yield the parts that were searched as a whole."""
         for members in self.order:
-            if whole := self.proven.get(members, _NOTHING).get(tuple(range(len(members)))):
+            if whole := self.proven.get(members, {}).get(tuple(range(len(members)))):
                 yield members, whole
 
     def _bound_of(self, members: Members) -> float:
         """Return the bound of a part at the present price."""
-        sets = self.proven.get(members, _NOTHING)
+        sets = self.proven.get(members, {})
         return self._totals.bound_of(members, sets, self.fleet.base, self.price)
 
     def _paid_for_hazards(self, members: Members) -> float:
@@ -284,16 +280,12 @@ class BoundSearch:
             self.parts[members] = replace(
                 part, below=bounds_within(members, self.below, self.price)
             )
-        return PartTask(self.parts[members], self.proven.get(members, _NOTHING), order)
+        return PartTask(self.parts[members], self.proven.get(members, {}), order)
 
     def _answer_here(self, members: Members, order: PartOrder) -> PartAnswer:
         """Search a part in this process."""
         order = replace(order, most_nodes=min(order.most_nodes, self._nodes_left))
-        task, keeps_rows = self._task(members, order), not self.fleet.is_large
-        # Where reach is narrowed, it is another one every time; in large fleets rows are many.
-        keeps_rows &= not task.part.is_narrowed
-        shared = self._rows if keeps_rows else SharedRows(self._cones)
-        return search_part(task, self.fleet.limits, shared)
+        return search_part(self._task(members, order), self.fleet.limits, self._cones)
 
     @property
     def _nodes_left(self) -> float:

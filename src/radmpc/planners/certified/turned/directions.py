@@ -9,7 +9,7 @@ from radmpc.geometry import sphere_directions
 from radmpc.planners.certified.turned.encounter import Encounter
 from radmpc.planners.certified.turned.tuning import TUNING
 
-__all__ = ["around_approach", "closest_approach", "from_shape", "refined"]
+__all__ = ["around_approach", "closest_approach", "from_obstacles", "nearest", "refined"]
 
 _THROUGH = 1e-3
 """Share of the distance to keep below which two paths count as through each other [-]: what is left
@@ -90,6 +90,26 @@ def refined(encounters: tuple[Encounter, Encounter], tried: Tensor) -> Matrix:
     return normals
 
 
+def nearest(encounters: tuple[Encounter, Encounter], tried: tuple[Tensor, Tensor]) -> Matrix:
+    """Return the same as `refined` where the best of all directions is among those given.
+
+    As at steps in isotropic noise: away from the nearest point of what is avoided.
+
+    Parameters
+    ----------
+    encounters : tuple of Encounter
+        Of the latest paths, and of where they move.
+    tried : tuple of (w, c, d) array
+        Unit directions for each of them; zeros stand for none.
+    """
+    latest, moved = encounters
+    normals = moved.best_of(tried[1])
+    crossed = latest.clearances(normals[:, None])[:, 0] < TUNING.crossed
+    if crossed.any():
+        normals = np.where(crossed[:, None], latest.best_of(tried[0]), normals)
+    return normals
+
+
 def _across(moved: Matrix, signs: Vector) -> Matrix:
     """Return unit normals across relative motions, opposite ones for opposite motions or signs."""
     length = np.linalg.norm(moved, axis=1, keepdims=True)
@@ -102,6 +122,33 @@ def _across(moved: Matrix, signs: Vector) -> Matrix:
         across = np.cross(ahead, axis)
         across /= np.linalg.norm(across, axis=1, keepdims=True)
     return np.asarray(across * np.where(moves, 1.0, signs[:, None]))
+
+
+def from_obstacles(
+    encounters: tuple[Encounter, Encounter | None],
+    shape: tuple[Tensor, tuple[Tensor, ...]],
+    *,
+    is_known: bool,
+) -> Matrix:
+    """Return the best normals between paths and shapes, (w, d).
+
+    Parameters
+    ----------
+    encounters : tuple of Encounter
+        Of the latest paths, and of where they move; None where what tells the best direction
+        without noise will do.
+    shape : tuple
+        Outward normals of the shapes, and their corners, see `from_shape`.
+    is_known : bool
+        Whether that tells the best direction with noise, too, in the plane: at steps, isotropic.
+    """
+    latest, moved = encounters
+    tried = from_shape(*shape, latest.ends)
+    if moved is None:
+        return latest.best_of(tried)
+    if is_known and tried.shape[2] == 2:
+        return nearest((latest, moved), (tried, from_shape(*shape, moved.ends)))
+    return refined((latest, moved), tried)
 
 
 def from_shape(faces: Tensor, corners: tuple[Tensor, ...], ends: tuple[Matrix, ...]) -> Tensor:

@@ -62,8 +62,8 @@ def first_plan(
     task = replace(_told_once(task), hazards=hazards)
     is_large = hazards.count > TUNING.few
     # A large fleet's first round may take all the time there is, and end without a plan.
-    is_short = is_large and _is_short(task)
-    if is_large and not (is_needed or is_short) and _is_easy_along_lines(task):
+    is_short = _is_short(task)
+    if not (is_needed or is_short) and _is_easy_along_lines(task):
         return FleetIncumbent()
     alone = _paths_alone(task, visits)
     if alone is None or task.limits.reached:
@@ -95,7 +95,6 @@ def first_plan(
     seconds = _seconds(task, is_aside=is_easy and not (is_needed or is_short), is_maze=is_maze)
     to_choose = None if visits is None else visits.to_choose
     is_hard = bool(routes) and largest >= TUNING.many
-    # Where few meet, the relaxation tells the sides soon.
     flags = (is_easy and is_needed, is_easy and is_short, is_hard, is_compared, is_needed)
     begin = Begin(task, alone, routes, sets, price, clearance, to_choose, *flags)
     return tried(begin, rng, task.limits.within(seconds))
@@ -107,7 +106,7 @@ def _is_easy_along_lines(task: Task) -> bool:
     What vehicles do alone is nearly that, and takes a linear program each.
     """
     hazards = task.hazards
-    if any(model.vehicle.via for model in hazards.models):
+    if hazards.count <= TUNING.few or any(model.vehicle.via for model in hazards.models):
         return False
     paths = Paths(hazards)
     for i in range(hazards.count):
@@ -174,11 +173,12 @@ def _routes(
 
 
 def _is_short(task: Task) -> bool:
-    """Whether there is little time per vehicle."""
+    """Whether there is little time per vehicle of a large fleet."""
     each = TUNING.short_along if task.hazards.intervals else TUNING.short
     if not is_compiled():
         each = TUNING.short_by_highs
-    return task.limits.seconds_left < each * task.hazards.count
+    count = task.hazards.count
+    return count > TUNING.few and task.limits.seconds_left < each * count
 
 
 def _paths_alone(task: Task, visits: GoodVisits | None) -> SuccessiveLp | None:

@@ -14,9 +14,9 @@ import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector, field_names
 from radmpc.geometry import inner_faces
-from radmpc.planners.certified.turned.directions import closest_approach, from_shape, refined
+from radmpc.planners.certified.turned.directions import closest_approach, from_obstacles
 from radmpc.planners.certified.turned.encounter import Encounter, ends_of, furthest, noise_of
-from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.near import Near, squared_limits
 from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
 from radmpc.planners.certified.turned.pair_normals import (
     end_normals,
@@ -177,7 +177,7 @@ def _around(
     upper = np.maximum(begin[places], path[places, 1:])
     gaps = np.maximum(shapes.lower[pieces] - upper, lower - shapes.upper[pieces])
     gaps = np.maximum(gaps, 0.0)
-    limit = _squared_limits(hazards, (members, places, pieces), near)
+    limit = squared_limits(hazards, (members, places, pieces), near)
     number, window = np.nonzero(np.einsum("pwd,pwd->pw", gaps, gaps) < limit)
     place, piece = places[number], pieces[number]
     first, radius = members[place], hazards.radii[members[place]][:, None]
@@ -196,29 +196,15 @@ def _around(
             supports,
         )
 
-    chord = ends_of(hazards, begin[place, window], path[place, window + 1])
-    tried = from_shape(shapes.faces[piece, window], corners, chord)
+    faces, moved = shapes.faces[piece, window], None
     met = encounter(paths)
     if near.is_refined and piece.size:
-        normals = refined((met, encounter(ahead)), tried)
-    else:
-        scores = np.where(tried.any(axis=2), met.clearances(tried), -np.inf)
-        normals = tried[np.arange(piece.size), scores.argmax(axis=1)]
+        moved = encounter(ahead)
+    is_known = hazards.is_isotropic and not hazards.intervals
+    normals = from_obstacles((met, moved), (faces, corners), is_known=is_known)
     base = hazards.count**2 * hazards.horizon
     keys = base + (first * shapes.count + piece) * hazards.horizon + window
     return _laid_out(met, normals, (first, np.full(piece.size, -1), window), keys)
-
-
-def _squared_limits(
-    hazards: Hazards, which: tuple[Indices, Indices, Indices], near: Near
-) -> Matrix:
-    """Return the squared distance below which pieces are near members, by pairs, (p, T) [m²]."""
-    members, places, pieces = which
-    variances, radii = hazards.variances[members], hazards.radii[members][:, None]
-    if hazards.shapes.covariances is None:
-        return np.square(radii + near.clearance * np.sqrt(variances) + near.reach)[places]
-    spread = np.sqrt(variances[places] + hazards.shapes.variances[pieces])
-    return np.asarray(np.square(radii[places] + near.clearance * spread + near.reach))
 
 
 def _inside(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> HalfSpaces:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix
 from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 
-__all__ = ["Near", "first_clearance"]
+__all__ = ["Near", "first_clearance", "squared_limits"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,3 +53,23 @@ def first_clearance(
     """
     risk = min(share * risk_bound / hazards.count, CONVEX_RISK)
     return float(hazards.tail.clearance_for(risk))
+
+
+def squared_limits(hazards: Hazards, which: tuple[Indices, Indices, Indices], near: Near) -> Matrix:
+    """Return the squared distance below which pieces are near members, by pairs, (p, T) [m²].
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    which : tuple of int array
+        The members; of each pair the place among them, and the number of the piece.
+    near : Near
+        What counts as near.
+    """
+    members, places, pieces = which
+    variances, radii = hazards.variances[members], hazards.radii[members][:, None]
+    if hazards.shapes.covariances is None:
+        return np.square(radii + near.clearance * np.sqrt(variances) + near.reach)[places]
+    spread = np.sqrt(variances[places] + hazards.shapes.variances[pieces])
+    return np.asarray(np.square(radii[places] + near.clearance * spread + near.reach))

@@ -6,7 +6,12 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.planners.certified.turned.directions import around_approach, closest_approach, refined
+from radmpc.planners.certified.turned.directions import (
+    around_approach,
+    closest_approach,
+    nearest,
+    refined,
+)
 from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise_of
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
@@ -50,22 +55,33 @@ def pair_normals(
     is_refined : bool
         Whether the best are asked for.
     """
-    paths = both[0]
     first, second, window = pairing
-    relative = paths.means[first, window] - paths.means[second, window]
-    end = paths.means[first, window + 1] - paths.means[second, window + 1]
-    pairs = np.stack([relative, end], axis=1)
-    closest = closest_approach(pairs)[:, 0] if hazards.intervals else end
-    signs = np.where(first < second, 1.0, -1.0)
-    tried = around_approach(closest, end - relative, distance, signs, many=is_refined)
     if not (is_refined and first.size):
-        return np.asarray(tried[:, 0])
+        return np.asarray(_approach(hazards, both[0], pairing, distance, many=False)[:, 0])
+    if hazards.is_isotropic and not hazards.intervals:
+        each = [pair_encounter(hazards, paths, pairing, distance) for paths in both]
+        lines = [_approach(hazards, paths, pairing, distance, many=False) for paths in both]
+        return nearest((each[0], each[1]), (lines[0], lines[1]))
+    tried = _approach(hazards, both[0], pairing, distance, many=True)
     near = _to_refine(hazards, both, pairing, distance, tried[:, 0])
     normals: Matrix = tried[:, 0].copy()
     some = first[near], second[near], window[near]
     each = [pair_encounter(hazards, latest, some, distance[near]) for latest in both]
     normals[near] = refined((each[0], each[1]), tried[near])
     return normals
+
+
+def _approach(
+    hazards: Hazards, paths: Paths, pairing: PairWindows, distance: Vector, *, many: bool
+) -> Tensor:
+    """Return lines of closest approach, and directions all around if asked for, (w, c, d)."""
+    first, second, window = pairing
+    start = paths.means[first, window] - paths.means[second, window]
+    end = paths.means[first, window + 1] - paths.means[second, window + 1]
+    pairs = np.stack([start, end], axis=1)
+    closest = closest_approach(pairs)[:, 0] if hazards.intervals else end
+    signs = np.where(first < second, 1.0, -1.0)
+    return around_approach(closest, end - start, distance, signs, many=many)
 
 
 def _to_refine(

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
+from radmpc.planners.certified.turned.linear.bending import can_bend
 from radmpc.planners.certified.turned.linear.given import Layout, Places
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.kept_basis import Bounds, KeptBasis
@@ -35,7 +36,7 @@ UNASKED = 1e-7
 [-]: of `paper(8)` those beyond five standard deviations."""
 
 _LITTLE = 1e-9
-"""Share or length below which a row is left out [-, m]."""
+"""Share of a reserve below which its row is left out [-]."""
 
 
 class GroupLp:
@@ -130,9 +131,8 @@ class GroupLp:
 
         Notes
         -----
-        Of many half-spaces, those near the latest paths are in the program first; those that its
-        solution comes near enter until there are none. It is the solution of all, but for risk that
-        is worth next to nothing.
+        Of many half-spaces, those near the latest paths are in the program first; others enter
+        until it is the solution of all, but for risk that is worth next to nothing.
         """
         self._lp.drop()
         is_in = np.zeros(spaces.count, dtype=bool)
@@ -227,7 +227,7 @@ class GroupLp:
             return Rows(every, np.ones(spaces.count, dtype=np.int64), np.zeros(spaces.count))
         share = spaces.shares
         spaces_of, ends, reserves = [], [], []
-        bends = self._can_bend(spaces, paths)
+        bends = can_bend(self._models, self._slots, spaces, paths)
         for end, kept in ((0, share), (1, 1.0 - share)):
             # The first position is given.
             plain = every[(spaces.windows > 0) | (end == 1)]
@@ -236,21 +236,6 @@ class GroupLp:
             ends += [np.full(plain.size + bent.size, end)]
             reserves += [np.zeros(plain.size), 4.0 * np.square(kept[bent])]
         return Rows(np.concatenate(spaces_of), np.concatenate(ends), np.concatenate(reserves))
-
-    def _can_bend(self, spaces: HalfSpaces, paths: Places) -> np.ndarray:
-        """Return whether any controls of the members bring the curve closer than its chord."""
-        most = np.zeros(spaces.count)
-        for sign, vehicles in ((1.0, spaces.first), (-1.0, spaces.second)):
-            slots = np.where(vehicles >= 0, self._slots[vehicles], -1)
-            for slot, model in enumerate(self._models):
-                mine = slots == slot
-                bounds = np.maximum(model.control_bounds, 0.0)[spaces.windows[mine]]
-                pulls = np.abs(spaces.normals[mine] @ model.vehicle.system.sagitta)
-                most[mine] += np.einsum("wm,wm->w", pulls, bounds)
-            still = (vehicles >= 0) & (slots < 0)
-            hang = paths.sagittas[vehicles[still], spaces.windows[still]]
-            most[still] += sign * np.einsum("wd,wd->w", spaces.normals[still], hang)
-        return np.asarray(most > _LITTLE)
 
     def _entries(
         self, spaces: HalfSpaces, paths: Places, rights: Matrix, laid_out: tuple[Rows, int]
