@@ -128,7 +128,7 @@ def from_obstacles(
     encounters: tuple[Encounter, Encounter | None],
     shape: tuple[Tensor, tuple[Tensor, ...]],
     *,
-    is_known: bool,
+    is_exact: bool,
 ) -> Matrix:
     """Return the best normals between paths and shapes, (w, d).
 
@@ -139,14 +139,14 @@ def from_obstacles(
         without noise will do.
     shape : tuple
         Outward normals of the shapes, and their corners, see `from_shape`.
-    is_known : bool
+    is_exact : bool
         Whether that tells the best direction with noise, too, in the plane: at steps, isotropic.
     """
     latest, moved = encounters
     tried = from_shape(*shape, latest.ends)
     if moved is None:
         return latest.best_of(tried)
-    if is_known and tried.shape[2] == 2:
+    if is_exact and tried.shape[2] == 2:
         return nearest((latest, moved), (tried, from_shape(*shape, moved.ends)))
     return refined((latest, moved), tried)
 

@@ -200,8 +200,8 @@ def _around(
     met = encounter(paths)
     if near.is_refined and piece.size:
         moved = encounter(ahead)
-    is_known = hazards.is_isotropic and not hazards.intervals
-    normals = from_obstacles((met, moved), (faces, corners), is_known=is_known)
+    is_exact = hazards.is_isotropic and not hazards.intervals
+    normals = from_obstacles((met, moved), (faces, corners), is_exact=is_exact)
     base = hazards.count**2 * hazards.horizon
     keys = base + (first * shapes.count + piece) * hazards.horizon + window
     return _laid_out(met, normals, (first, np.full(piece.size, -1), window), keys)
