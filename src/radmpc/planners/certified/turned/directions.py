@@ -138,20 +138,20 @@ def from_obstacles(
         Of the latest paths, and of where they move; None where what tells the best direction
         without noise will do.
     shape : tuple
-        Outward normals of the shapes, and their corners, see `from_shape`.
+        Outward normals of the shapes, and their corners, see `_from_shape`.
     is_exact : bool
         Whether that tells the best direction with noise, too, in the plane: at steps, isotropic.
     """
     latest, moved = encounters
-    tried = from_shape(*shape, latest.ends)
+    tried = _from_shape(*shape, latest.ends)
     if moved is None:
         return latest.best_of(tried)
     if is_exact and tried.shape[2] == 2:
-        return nearest((latest, moved), (tried, from_shape(*shape, moved.ends)))
+        return nearest((latest, moved), (tried, _from_shape(*shape, moved.ends)))
     return refined((latest, moved), tried)
 
 
-def from_shape(faces: Tensor, corners: tuple[Tensor, ...], ends: tuple[Matrix, ...]) -> Tensor:
+def _from_shape(faces: Tensor, corners: tuple[Tensor, ...], ends: tuple[Matrix, ...]) -> Tensor:
     """Return unit directions from a shape to a path's chord, zeros where there is none, (w, c, d).
 
     Its faces, the directions from its corners to the nearest points of the chord, and in the plane

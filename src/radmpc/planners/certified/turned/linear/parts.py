@@ -21,7 +21,8 @@ _NEAR = 5.0
 """Clearance below which the others are [standard deviations] where all are to keep the same."""
 
 _NEAR_SHARE = 0.75
-"""The same where risk has a price, as a share of what is asked for [-]: six standard deviations."""
+"""The same where risk has a price, as a share of the room that is asked for [-]: six standard
+deviations. Programs of `paper(8)` take 0.85, 0.80 and 0.89 ms with 0.69, 0.75 and 0.81."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
