@@ -77,3 +77,34 @@ def test_between_two_short_gates_there_is_room_to_wait() -> None:
     )
     problem = replace(lane(1.0, EAST, WEST), obstacles=gates)
     assert max(waits(problem)) <= 4.0
+
+
+def window(*vehicles: ForeignVehicle) -> ForeignProblem:
+    """A wall across the middle with a window for one at a time."""
+    wall = tuple(
+        Obstacle.box(side, [19.5, low], [20.5, high])
+        for side, low, high in (("north", 0.9, 6.0), ("south", -6.0, -0.9))
+    )
+    return replace(lane(1.0, *vehicles), obstacles=wall)
+
+
+FACING = tuple(
+    vehicle(f"{side}{row}", [start, row], [goal, -row])
+    for side, start, goal in (("west", 15.0, 25.0), ("east", 25.0, 15.0))
+    for row in (-2.0, 2.0)
+)
+
+
+def test_two_that_meet_at_a_window_have_time_to_give_way() -> None:
+    assert waits(window(*FACING[1:3])) == [0.0, 0.0]
+
+
+def test_at_a_window_three_and_more_queue() -> None:
+    # All would be there at once. The second follows after 1 s, the third, from the other side, 2 s
+    # later, the last after another: less the 2 s that one gives way for in any case.
+    assert waits(window(*FACING)) == pytest.approx([0.0, 0.0, 0.0, 2.0], abs=0.2)
+
+
+def test_who_comes_to_a_window_later_does_not_queue() -> None:
+    late = [vehicle(f"late{k}", [15.0 - 4.0 * k, 0.0], [25.0, 0.0]) for k in range(1, 4)]
+    assert waits(window(*late)) == [0.0, 0.0, 0.0]

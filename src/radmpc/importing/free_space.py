@@ -52,7 +52,7 @@ class FreePath:
     clearance : float
         Least distance of the hull from obstacles along it, at most what is asked for [m].
     waiting : float
-        How long it waits for vehicles that come toward it where none can pass [s].
+        How long it waits for others where only one at a time can pass [s].
     """
 
     detour: float

@@ -31,6 +31,10 @@ has none with 2.0."""
 _FEWEST_STEPS, _MOST_STEPS = 10, 30
 """Steps that are chosen: few leave too little choice, many multiply the program."""
 
+_FEWEST_OF_TURNS = 16
+"""Steps at least where vehicles take turns: in 10 steps four that pass one window have no plan
+within 20 s, in 12 and more they have one at once."""
+
 _MORE_STEPS, _MOST_OF_MANY = 20, 72
 """Steps at most where vehicles go around obstacles: so many more than vehicles, from 30 up to 72.
 In long steps, in which a robot passes two cells, paths miss corners and places to wait. On maps of
@@ -56,7 +60,8 @@ def choose_steps(
     """Return dt and horizon: steps of four radii at full speed where 10 to 30 of them allow.
 
     Steps are half as long where paths are narrow, vehicles take turns, or many go around obstacles:
-    corners, and places to wait, must fall on some. Such many take up to 72 steps.
+    corners, and places to wait, must fall on some. Such many take up to 72 steps, and those that
+    take turns at least 16.
 
     Parameters
     ----------
@@ -102,7 +107,9 @@ def choose_steps(
         most = _MOST_STEPS
         if goes_around:
             most = max(most, min(len(vehicles) + _MORE_STEPS, _MOST_OF_MANY))
-        horizon = min(max(math.ceil(duration / stride - 1e-9), _FEWEST_STEPS), most)
+        takes_turns = any(path.waiting > 0.0 for path in paths)
+        fewest = _FEWEST_OF_TURNS if takes_turns else _FEWEST_STEPS
+        horizon = min(max(math.ceil(duration / stride - 1e-9), fewest), most)
     dt = rounded_up(duration / horizon) if options.dt is None else float(options.dt)
     asked = " (as asked)"
     choices["dt"] = f"{dt:g} s" + (asked if options.dt else "")

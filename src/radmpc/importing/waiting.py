@@ -12,14 +12,12 @@ from scipy.spatial import cKDTree
 from radmpc.arrays import Indices
 from radmpc.importing.free_space import FreeSpace
 from radmpc.importing.problem import ForeignVehicle
+from radmpc.importing.queues import ABREAST, queue_times
 
 __all__ = ["waiting_times"]
 
 _MOST_VEHICLES = 30
 """Vehicles up to which all pairs are compared; more are taken not to wait."""
-
-_ABREAST = 1.6
-"""Half the width that two hulls abreast need, noise included, over the sum of their radii [-]."""
 
 _HEADWAY = 2.0
 """Sums of radii between the middles of two, one behind the other."""
@@ -31,7 +29,9 @@ _LEAST_LENGTH = 2.0
 def waiting_times(
     spaces: Sequence[FreeSpace], vehicles: Sequence[ForeignVehicle], clearances: Sequence[float]
 ) -> list[float]:
-    """Return how long each vehicle waits until one that comes toward it has left a narrow passage.
+    """Return how long each vehicle waits at narrow passages.
+
+    Until one that comes toward it has left a long one, or in a queue, see `queue_times`.
 
     Parameters
     ----------
@@ -62,7 +62,8 @@ def waiting_times(
             gap = _HEADWAY * (one.radius + two.radius)
             waits[i].append((length / two.speed_limit, gap / two.speed_limit))
             waits[j].append((length / one.speed_limit, gap / one.speed_limit))
-    return [_longest(met) for met in waits]
+    queues = queue_times(spaces, vehicles, paths)
+    return [max(_longest(met), queue) for met, queue in zip(waits, queues, strict=True)]
 
 
 def _longest(met: Sequence[tuple[float, float]]) -> float:
@@ -85,7 +86,7 @@ def _shared_length(
     # Where one of them has room, it gives way.
     room = np.maximum(spaces[0].distances, spaces[1].distances)
     widths = ndimage.maximum_filter(room, size=2 * cells + 1)
-    is_narrow = widths[one[:, 0], one[:, 1]] < _ABREAST * radii
+    is_narrow = widths[one[:, 0], one[:, 1]] < ABREAST * radii
     shared = np.flatnonzero((distances < radii) & is_narrow)
     if shared.size < 2 or nearest[shared[-1]] >= nearest[shared[0]]:
         return 0.0
