@@ -84,6 +84,7 @@ def pair_risks_across_sets(
     owners: Indices,
     sagittas: Tensor | None = None,
     common: Tensor | None = None,
+    num_faces: int | None = None,
 ) -> dict[tuple[int, int], float]:
     """Estimate the collision risk of every two vehicles of different sets.
 
@@ -105,6 +106,8 @@ def pair_risks_across_sets(
         acceleration [m]; 0 where the path is straight, None where all are.
     common : (N, T+1, d, E) array or None
         What the normals behind shared disturbances make of positions [m]; None is nothing.
+    num_faces : int or None
+        Faces around a pair; None for the program's.
 
     Returns
     -------
@@ -124,7 +127,7 @@ def pair_risks_across_sets(
     one, two = one[apart], two[apart]
     if one.size == 0:
         return {}
-    faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
+    faces = sphere_directions(num_faces or scenario.num_pair_faces, scenario.dimension)
     noise = np.sum((faces @ covariances) * faces, axis=3)
     step = max(1, _BLOCK // (means.shape[1] * len(faces)))
     risks: list[float] = []

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.inter_set_risk import by_sets
+from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_sets
 from radmpc.planners.certified.merging import owners_of
 from radmpc.planners.certified.phases.by_faces import bound_faces
 from radmpc.planners.certified.phases.tuning import TUNING
@@ -149,9 +151,16 @@ class Around:
         controls = search.relaxed_controls()
         if len(sets) == 1 or not controls:
             return False
-        numbers = {v.name: i for i, v in enumerate(self.fleet.scenario.vehicles)}
-        owners = owners_of(sets)
-        pair_risks = self.judge(controls).across(owners, numbers)
+        programs, owners = self.fleet.programs, owners_of(sets)
+        # A tenth of what the referee takes: it need not tell how much of Δ these plans risk.
+        pair_risks = pair_risks_across_sets(
+            self.fleet.scenario,
+            np.array([model.path(u) for model, u in zip(programs.models, controls, strict=True)]),
+            programs.covariances,
+            owners,
+            common=programs.hazards.common,
+            num_faces=PROOF_TUNING.directions[-1],
+        )
         allowed = TUNING.apart * self.gap * self.state.incumbent.cost / max(search.price, 1e-300)
         allowed = min(allowed, TUNING.most_apart * self.fleet.scenario.risk_bound)
         merged = merge_worst(sets, by_sets(pair_risks, owners), allowed)

@@ -102,7 +102,7 @@ class PriceControlTuning:
     spent: float = 0.5
     nearly_spent: float = 1.2
     nudge: float = 1.05
-    negligible: float = 0.3
+    negligible: float = 0.6
     behind: float = 5.0
     tried: int = 3
     most_idle: int = 10
