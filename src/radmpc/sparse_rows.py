@@ -63,19 +63,21 @@ def diagonal_rows(
     (h + num_units, n) sparse array
         Row and column numbers have 32 bits.
     """
-    values, columns, counts, first = [], [], [], 0
+    values, columns, ends = [], [], []
+    first = count = 0
     for block in blocks:
-        is_any = block != 0.0
-        values.append(block[is_any])
-        columns.append(np.nonzero(is_any)[1] + first)
-        counts.append(np.count_nonzero(is_any, axis=1))
-        first += block.shape[1]
+        height, width = block.shape
+        entries = block.ravel()
+        places = np.flatnonzero(entries)
+        values.append(entries[places])
+        columns.append(places % width + first)
+        ends.append(places.searchsorted(np.arange(1, height + 1) * width) + count)
+        first, count = first + width, count + places.size
+    units = np.arange(num_units)
     values.append(np.ones(num_units))
-    columns.append(np.arange(num_units))
-    counts.append(np.ones(num_units, dtype=np.int64))
-    sizes = np.concatenate(counts)
-    starts = np.zeros(sizes.size + 1, dtype=np.int32)
-    np.cumsum(sizes, out=starts[1:])
+    columns.append(units)
+    ends.append(units + (count + 1))
+    starts = np.concatenate([[0], *ends]).astype(np.int32)
     where = np.concatenate(columns).astype(np.int32)
-    shape = sizes.size, first if num_columns is None else num_columns
+    shape = starts.size - 1, first if num_columns is None else num_columns
     return csr_array((np.concatenate(values), where, starts), shape=shape)
