@@ -129,6 +129,24 @@ def test_a_limit_without_a_plan_is_told_in_few_words(run: Run, crossing: Path) -
     assert (result.stdout + line).count("before any plan") <= 2
 
 
+def test_a_run_cut_short_without_a_plan_leaves_that_of_an_earlier_one(
+    run: Run, crossing: Path
+) -> None:
+    assert run("plan", crossing, "-o", "a.json").exit_code == 0
+    before = Path("a.json").read_bytes()
+    result = run("plan", crossing, "--time-limit", 0, "-o", "a.json")
+    assert (result.exit_code, Path("a.json").read_bytes()) == (1, before)
+    assert "a.json kept: it holds a plan of this scenario" in result.stdout
+    assert "written" not in result.stdout
+
+
+def test_what_is_no_plan_of_the_same_scenario_is_replaced(run: Run, crossing: Path) -> None:
+    run("plan", crossing, "-o", "a.json")
+    for words in (("--time-limit", 0, "--set", "risk_bound=0.01"), ("--set", "horizon=1")):
+        assert run("plan", crossing, *words, "-o", "a.json").exit_code == 1
+        assert json.loads(Path("a.json").read_text(encoding="utf-8"))["vehicles"] == []
+
+
 def test_json_without_a_plan_is_still_one_object(run: Run, infeasible: Path) -> None:
     result = run("plan", infeasible, "--json")
     assert result.exit_code == 1

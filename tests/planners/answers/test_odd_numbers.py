@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from radmpc.experiments.families import circle
+from radmpc.experiments.families import circle, paper
+from radmpc.model.scenario import Avoidance
 from radmpc.model.vehicle import Goal
 from radmpc.planners.certified.turned.half_spaces import Hazards
 from radmpc.planners.certified.turned.paths import timed_anyhow
@@ -40,3 +41,12 @@ def test_a_vehicle_that_cannot_but_stay_has_its_times_all_the_same():
     assert hazards.reaches[0] == 0.0
     path = timed_anyhow(hazards, 0, np.array([place, place]), np.random.default_rng(0))
     np.testing.assert_array_equal(path, [place, place])
+
+
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+def test_where_effort_is_free_any_plan_costs_nothing(avoidance: Avoidance):
+    scenario = paper(2, 0)
+    vehicles = tuple(replace(v, cost_weight=0.0) for v in scenario.vehicles)
+    result = plan(replace(scenario, vehicles=vehicles, avoidance=avoidance), "certified")
+    assert result.is_certified
+    assert result.cost == 0.0

@@ -20,10 +20,11 @@ from radmpc.console.reports.stages import stage_notes
 from radmpc.console.running.guard import Code
 from radmpc.console.running.interrupt import stop_on_interrupt
 from radmpc.console.running.workers import workers
-from radmpc.errors import ScenarioError
-from radmpc.io.native.plan_file import encode_plan, save_plan
+from radmpc.errors import RadmpcError, ScenarioError
+from radmpc.io.native.encoding import encode_scenario
+from radmpc.io.native.plan_file import encode_plan, load_plan, save_plan
 from radmpc.model.ledger import bound_text
-from radmpc.model.plan import Plan
+from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
 from radmpc.planning import plan, seconds_allowed
@@ -147,7 +148,8 @@ def run_plan(scenario: Scenario, request: Request) -> int:
             found=progress.found,
         )
         was_interrupted = is_stopped()
-    if request.output is not None:
+    kept = request.output is not None and _is_to_keep(request.output, result.record)
+    if request.output is not None and not kept:
         with writing(request.output):
             save_plan(result.record, request.output)
     if request.as_json:
@@ -159,10 +161,30 @@ def run_plan(scenario: Scenario, request: Request) -> int:
             len(result.events),
             bounds_risk=planner.bounds_risk,
         )
-        show(*report, *_written("plan", request.output))
+        show(*report, *(_kept(request.output) if kept else _written("plan", request.output)))
     # Films take longer than many a plan: whoever interrupts one has read the report.
     _draw(result.record, request)
     return _conclude(result, was_interrupted, not request.as_json)
+
+
+def _is_to_keep(path: Path, record: Plan) -> bool:
+    """Whether a file holds a plan of this scenario, and a run that was cut short found none.
+
+    That no plan exists is an answer, and replaces it.
+    """
+    if record.status is not Status.LIMIT or record.trajectories or not path.is_file():
+        return False
+    try:
+        known = load_plan(path)
+    except RadmpcError:
+        return False
+    is_same = encode_scenario(known.scenario) == encode_scenario(record.scenario)
+    return bool(known.trajectories) and is_same
+
+
+def _kept(path: Path | None) -> list[str]:
+    """Return an empty line and one about a file that stays as it is."""
+    return ["", f"{path} kept: it holds a plan of this scenario, and this run found none"]
 
 
 def _draw(record: Plan, request: Request) -> None:

@@ -188,7 +188,8 @@ class PriceControl:
         A secant in logarithms where certificates come near the aim from below: there they answer
         the price the less, the more of the cost is due to what cannot be avoided.
         """
-        damping, fell = PRICE_TUNING.damping, self._last_price / self.price
+        # Where effort is free, so is risk.
+        damping, fell = PRICE_TUNING.damping, self._last_price / max(self.price, 1e-300)
         if not PRICE_TUNING.near <= ratio <= 1.0 or not 1.0 < fell < np.inf:
             return damping
         rose = certified / max(self._last_certified, 1e-300)
