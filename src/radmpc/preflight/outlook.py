@@ -216,10 +216,12 @@ def _by_programs(
     from radmpc.preflight import general  # noqa: PLC0415 - a solver; integrators do without
 
     horizon = scenario.horizon
-    kept = _least(lambda steps: general.arrives(scenario, vehicle, steps), horizon, True)
+    # Windows of visits and of the arrival are looked at by themselves.
+    straight = replace(vehicle, via=(), goal=replace(vehicle.goal, within=None))
+    kept = _least(lambda steps: general.arrives(scenario, straight, steps), horizon, True)
     least = kept
     if vehicle.gain is not None:
-        bare = replace(vehicle, gain=None)
+        bare = replace(straight, gain=None)
         least = _least(lambda steps: general.arrives(scenario, bare, steps), horizon, True)
     return least, kept, general.cheapest(scenario, vehicle), general.reach(scenario, vehicle)
 
