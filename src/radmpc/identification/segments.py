@@ -24,6 +24,10 @@ freedom gets there once in 10,000 steps."""
 _MOST_JUMPS = 0.02
 """Share of steps [-] above which far ones are no jumps but the noise."""
 
+_ROUNDING = 1e-6
+"""Share of the accelerations that commands and references come to below which all their differences
+are rounding [-]: what is stored in 32 bits has seven digits."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segment:
@@ -144,7 +148,11 @@ def _feedback_pairs(
     deviations = (samples.states - references)[:-1]
     lengths = np.diff(samples.times)[:, None]
     planned = np.diff(references[:, d:], axis=0) / lengths
-    return deviations[is_step], (samples.controls[:-1] - planned)[is_step]
+    corrections = samples.controls[:-1] - planned
+    largest = np.abs(samples.controls).max() + np.abs(references[:, d:]).max() / lengths.min()
+    if np.abs(corrections).max() <= _ROUNDING * largest:
+        corrections[:] = 0.0
+    return deviations[is_step], corrections[is_step]
 
 
 def without_jumps(transitions: Transitions, dimension: int) -> tuple[Transitions, int, float]:

@@ -149,6 +149,11 @@ def with_noise(
         parts = [part for part in block.pending.values() if isinstance(part, dict)]
         keys = {key for part in parts for key in part} | set(block.pending) & {_SHARED}
         warnings.append(f"identified, and not a part of scenarios yet: {', '.join(sorted(keys))}")
+    if _SHARED in content and _SHARED not in block.content:
+        warnings.append(
+            "the scenario's shared disturbances are left out: the logs do not tell what vehicles "
+            "have in common, so all of their noise counts as their own"
+        )
     source = {**(scenario.source or {}), "noise": provenance(identified, day)}
     kept = {key: part for key, part in content.items() if key not in {_SHARED, _SAMPLES}}
     names = [vehicle.name for vehicle in scenario.vehicles]

@@ -51,12 +51,10 @@ def read_flight_log(path: Path) -> Recording | None:
             times, contents = found.setdefault(key, ([], []))
             times.append(1e-9 * message.log_time)
             contents.append(content)
-    return Recording(tuple(_track(path, *key, *samples) for key, samples in found.items()))
+    return Recording(tuple(_track(path, name, *told) for (name, _), told in found.items()))
 
 
-def _track(
-    path: Path, name: str, mission: int, times: list[float], contents: list[Message]
-) -> Track:
+def _track(path: Path, name: str, times: list[float], contents: list[Message]) -> Track:
     """Return one vehicle in one mission."""
     positions = np.array([content["position"] for content in contents], dtype=np.float64)
     d = positions.shape[1]
@@ -69,7 +67,8 @@ def _track(
     return Track(
         name,
         str(path),
-        f"of mission {mission} in {path}",
+        # Missions follow each other in the log's time.
+        f"of {path}",
         np.array(times),
         positions,
         velocities,
