@@ -10,9 +10,15 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.geometry import inner_faces
 from radmpc.model.plan import Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 
-__all__ = ["TightLimit", "control_face_bounds", "tight_limits", "within_limits"]
+__all__ = [
+    "TightLimit",
+    "control_face_bounds",
+    "outside_norms",
+    "tight_limits",
+    "within_limits",
+]
 
 _CLOSE = 1e-6
 """Share of a limit below which what is left of it is rounding."""
@@ -118,6 +124,27 @@ def control_face_bounds(vehicle: Vehicle, first_step: int, horizon: int) -> Matr
     seen = covariances[first_step:last]
     variances = np.einsum("fn,knm,fm->kf", pulls, seen, pulls)
     return np.asarray(most - vehicle.control_sigmas * np.sqrt(np.maximum(variances, 0.0)))
+
+
+def outside_norms(vehicle: Vehicle) -> Vehicle:
+    """Return a vehicle whose programs leave it all that its norms do, and a little more.
+
+    Programs keep to polytopes within norms. Within these larger norms they touch the given ones
+    from outside: what no such program does, no plan does.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Any; the same where its norms are free.
+    """
+    control, speed = vehicle.control_norm, vehicle.speed_norm
+    if control is None and speed is None:
+        return vehicle
+    if control is not None:
+        control /= inner_faces(vehicle.system.num_controls)[1]
+    if speed is not None:
+        speed /= inner_faces(vehicle.system.dimension)[1]
+    return replace(vehicle, control_norm=control, speed_norm=speed)
 
 
 def within_limits(vehicle: Vehicle, control: Vector) -> Vector:

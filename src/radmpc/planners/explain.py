@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
+from radmpc.model.limits import outside_norms
 from radmpc.model.scenario import Scenario
 from radmpc.planners.conflicts import cannot_avoid, start_too_risky
 from radmpc.planners.cures.trying import passage_sentence, reach_sentence
@@ -24,6 +25,7 @@ from radmpc.planners.presolve import (
 from radmpc.planners.wording import endpoints_text, is_contact, limit_clause
 from radmpc.program.build import build_program, condensed_models
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import replace
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
@@ -210,11 +212,26 @@ def unable_alone(scenario: Scenario, model: CondensedModel) -> tuple[str, str] |
     overdrawn = overdrawn_texts(model)
     if overdrawn is not None:
         return overdrawn
-    empty = build_program(
-        _without_hazards(scenario, model), [model], risk_bound=scenario.risk_bound
-    )
+    alone = _without_hazards(scenario, model)
+    if _arrives_alone(alone, model):
+        return None
+    texts, outside = too_far_texts(scenario, model), outside_norms(model.vehicle)
+    if outside is model.vehicle:
+        return texts
+    beyond = replace(alone, vehicles=(outside,))
+    if not _arrives_alone(beyond, *condensed_models(beyond)):
+        return texts
+    # The limits themselves may be enough, and what keeps to a polytope within them is not.
+    kept = "limits, of whose norms plans keep to a polytope within"
+    one, many = (text.replace("limits", kept, 1) for text in texts)
+    return one, many
+
+
+def _arrives_alone(alone: Scenario, model: CondensedModel) -> bool:
+    """Whether a linear program leads a vehicle through empty space, or HiGHS cannot tell."""
+    empty = build_program(alone, [model], risk_bound=alone.risk_bound)
     outcome, _ = WarmLp(empty, np.zeros(empty.rows.count)).solve()
-    return too_far_texts(scenario, model) if outcome is LpOutcome.INFEASIBLE else None
+    return outcome is not LpOutcome.INFEASIBLE
 
 
 def _without_hazards(scenario: Scenario, model: CondensedModel) -> Scenario:

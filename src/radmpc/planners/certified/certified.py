@@ -27,6 +27,7 @@ from radmpc.planners.certified.phases.time_shares import (
     but_for_proof,
 )
 from radmpc.planners.certified.proof.grouping import Proven
+from radmpc.planners.certified.proof.norms import outside_norms_of
 from radmpc.planners.certified.proof.prove import Proof, bound_on_any
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.state.bounds import finite, reported_bound, shadow_price
@@ -151,7 +152,10 @@ class Certified(Decomposition):
         if self.proof_seconds is not None:
             most_nodes = float("inf")
             fleet = fleet.with_limits(fleet.limits.within(self.proof_seconds))
-        return bound_on_any(fleet, state.incumbent, price, most_nodes, proven)
+        outside = outside_norms_of(fleet)
+        proof = bound_on_any(outside, state.incumbent, price, most_nodes, proven)
+        # Programs turn to no plan that is beyond their limits.
+        return proof if outside is fleet else replace(proof, controls=())
 
 
 def _nodes_of_proof(fleet: Fleet, state: SearchState, is_timed: bool) -> float:

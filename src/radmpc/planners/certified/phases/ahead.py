@@ -15,6 +15,7 @@ from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.phases.tuning import TUNING
 from radmpc.planners.certified.proof.grouping import Proven
+from radmpc.planners.certified.proof.norms import outside_norms_of
 from radmpc.planners.certified.rounds import merge_worst
 from radmpc.planners.certified.state.bounds import reported_bound
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
@@ -73,7 +74,8 @@ def prove_ahead(
     Ahead
         Where it is not closed, the search over faces is next.
     """
-    base = float(sum(fleet.base))
+    outside = outside_norms_of(fleet)
+    base = float(sum(outside.base))
     state = replace(SearchState.of(fleet), incumbent=replace(first, sets=_kept_together(fleet)))
     if relative_gap(first.cost, base) <= fleet.gap:
         return Ahead(state, min(base, first.cost), True)
@@ -81,15 +83,15 @@ def prove_ahead(
     from radmpc.planners.certified.phases.around import Around  # noqa: PLC0415 - see above
     from radmpc.planners.certified.turned.turned_plans import turn_half_spaces  # noqa: PLC0415 - see above
 
-    fleet = fleet.with_limits(fleet.limits.within(TUNING.time_share * fleet.limits.seconds_left))
+    limits = fleet.limits.within(TUNING.time_share * fleet.limits.seconds_left)
+    fleet, outside = fleet.with_limits(limits), outside.with_limits(limits)
     if first.certified < TURNED_TUNING.enough * fleet.scenario.risk_bound:
         # Its price was too high, and tells little of what Δ is worth.
         state = turn_half_spaces(fleet, state, judge)
     around = Around(fleet, state, judge)
-    timed = (
-        fleet if proof_seconds is None else fleet.with_limits(fleet.limits.within(proof_seconds))
-    )
-    around.bound_any(timed)
+    if proof_seconds is not None:
+        outside = outside.with_limits(outside.limits.within(proof_seconds))
+    around.bound_any(outside)
     around.turn_on()
     gap = relative_gap(around.state.incumbent.cost, around.on_any)
     is_near = gap <= max(TUNING.near, fleet.gap)

@@ -82,8 +82,14 @@ class Around:
         return max(TUNING.most_nodes * few, TUNING.nodes_each * count)
 
     def bound_any(self, timed: Fleet) -> None:
-        """Bound any certified plan, and turn the plan to better sides, until they meet."""
-        base, incumbent = float(sum(self.fleet.base)), self.state.incumbent
+        """Bound any certified plan, and turn the plan to better sides, until they meet.
+
+        Parameters
+        ----------
+        timed : Fleet
+            Outside its norms, with the limits that end this.
+        """
+        base, incumbent = float(sum(timed.base)), self.state.incumbent
         self.on_any = base
         if relative_gap(incumbent.cost, base) <= self.gap or timed.limits.reached:
             return
@@ -100,7 +106,9 @@ class Around:
                     # Their search takes long, and whoever stops it has a better plan.
                     search.continue_from(self.state.incumbent, self._price())
                 continue
-            gained = self._turned(search)
+            # Programs turn to no plan that is beyond their limits.
+            is_beyond = timed.scenario is not self.fleet.scenario
+            gained = self.turn_on() if is_beyond else self._turned(search)
             if self.is_near or search.nodes >= self.most_nodes or timed.limits.reached:
                 return
             if gained:

@@ -20,6 +20,7 @@ from radmpc.planners.certified.phases.improving import is_searched_nearby
 from radmpc.planners.certified.phases.time_shares import but_for_faces, limits_of_search
 from radmpc.planners.certified.phases.tuning import TUNING as PHASES
 from radmpc.planners.certified.proof.grouping import Proven
+from radmpc.planners.certified.proof.norms import outside_norms_of
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.bounds import finite
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
@@ -130,7 +131,7 @@ def searched(
         first = _cheaper_first(fleet, first, run, is_dear=is_dear)
         fleet = replace(fleet, found=_telling(run, first.cost))
         search = PriceSearch.of(fleet, run.judge, first.cost)
-    on_any = max(on_any, float(sum(fleet.base)))
+    on_any = max(on_any, float(sum(outside_norms_of(fleet).base)))
     if state.budget > 0.0 and not is_dear:
         state = search.run(state)
     if state.has_plan or is_dear:
