@@ -123,7 +123,10 @@ def _turned(tensor: Tensor) -> Tensor:
 
 
 def relative(total: Tensor, crossed: Tensor) -> Tensor:
-    """Return covariances of differences, 0 where all but rounding cancels.
+    """Return covariances of differences; where all but rounding cancels, no less than what may be.
+
+    A disturbance that nearly all cancels hides noise of each one's own below the last digits: what
+    is there is at most the share of both variances at which digits end, in any direction.
 
     Parameters
     ----------
@@ -134,7 +137,8 @@ def relative(total: Tensor, crossed: Tensor) -> Tensor:
     """
     found = total - crossed - _turned(crossed)
     before, left = (np.trace(each, axis1=-2, axis2=-1) for each in (total, found))
-    return np.where((left <= _NOTHING * before)[..., None, None], 0.0, found)
+    most = (_NOTHING * before)[..., None, None]
+    return np.where(left[..., None, None] <= most, most * np.eye(total.shape[-1]), found)
 
 
 def fleet_common(

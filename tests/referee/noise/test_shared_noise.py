@@ -109,9 +109,27 @@ def test_without_noise_of_their_own_they_keep_their_distance_for_sure():
                         disturbance_covariance=np.zeros((4, 4)))
                 for n, x in (("a", 0.0), ("b", 0.81))]  # fmt: skip
     plan = still(*vehicles, horizon=4)
-    assert not relative_covariances(*condensed_models(plan.scenario)).any()
+    models = condensed_models(plan.scenario)
+    both = sum(np.trace(m.position_covariances, axis1=1, axis2=2) for m in models)
+    # Nothing, as far as digits tell.
+    assert np.all(relative_covariances(*models) <= 1e-13 * both[:, None, None])
     assert certify(plan).certified == 0.0
     assert simulate(plan, MISSIONS, rng=0).pair_collisions == 0
+
+
+@pytest.mark.parametrize("own", [2e-5, 1e-3])
+def test_noise_of_their_own_counts_however_strong_the_gust_that_cancels(own):
+    # Half a deviation apart: the gust moves both alike, and they touch by their own noise.
+    names = (("a", 0.0), ("b", 0.6 + 0.5 * own))
+    gusty = [replace(craft(n, DI, [x, 0.0]), initial_covariance=np.zeros((4, 4)),
+                     disturbance_covariance=np.diag([own**2, own**2, 0.0, 0.0]),
+                     shared=(SharedDisturbance("gust", np.eye(4, 2), 1e4 * np.eye(2)),))
+             for n, x in names]  # fmt: skip
+    moved = own * np.random.default_rng(0).standard_normal((20_000, 3, 2, 2)).cumsum(axis=1)
+    apart = moved[:, :, 0] - moved[:, :, 1] + [0.6 + 0.5 * own, 0.0]
+    truth = (np.linalg.norm(apart, axis=2) < 0.6).any(axis=1).mean()
+    assert truth > 0.5
+    assert certify(still(*gusty, horizon=3)).certified >= truth
 
 
 @pytest.mark.slow

@@ -116,5 +116,7 @@ def without_common(total: Tensor, mine: Tensor | None, other: Tensor | None) -> 
     common = mine @ np.swapaxes(other, -1, -2)
     found = total - common - np.swapaxes(common, -1, -2)
     before, left = (np.trace(each, axis1=-2, axis2=-1) for each in (total, found))
-    # Two that answer alike and have no noise of their own stay as they are to each other.
-    return np.where((left <= _CANCELED * before)[..., None, None], 0.0, found)
+    # Two that answer alike and have no noise of their own stay as they are to each other, as far as
+    # digits tell.
+    most = (_CANCELED * before)[..., None, None]
+    return np.where(left[..., None, None] <= most, most * np.eye(total.shape[-1]), found)
