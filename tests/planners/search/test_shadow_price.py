@@ -33,3 +33,17 @@ def test_risk_is_free_only_where_no_lower_price_was_left_untried(
         controls, 10.0, ((0,), (1,)), union_bound, certified=certified, turned_price=turned_price
     )
     assert shadow_price(fleet, replace(SearchState.of(fleet), incumbent=incumbent)) == price
+
+
+@pytest.mark.parametrize("certified", [0.0, 0.02, 0.049])
+@pytest.mark.parametrize("union_bound", [0.0, 0.5])
+def test_risk_is_free_where_a_plan_costs_what_it_does_in_empty_space(
+    certified: float, union_bound: float
+) -> None:
+    fleet = Fleet.of(paper(2, 0), 1e-2, Limits())
+    controls = tuple(np.zeros(m.control_bounds.shape) for m in fleet.programs.models)
+    cost = (1.0 + 1e-8) * sum(fleet.base)
+    incumbent = FleetIncumbent(
+        controls, cost, ((0,), (1,)), union_bound, certified=certified, turned_price=50.0
+    )
+    assert shadow_price(fleet, replace(SearchState.of(fleet), incumbent=incumbent)) == 0.0

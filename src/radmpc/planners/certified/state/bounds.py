@@ -13,6 +13,10 @@ __all__ = ["bound_on_cost", "finite", "is_proven", "reported_bound", "shadow_pri
 
 _TUNED = TUNING.budgets
 
+_FREE = 1e-6
+"""Share of its cost by which a plan may exceed what it costs in empty space for nothing to be saved
+by more risk [-]: the tolerance of linear programs."""
+
 
 def bound_on_cost(fleet: Fleet, state: SearchState) -> float:
     """Return a lower bound on the cost of any plan within the incumbent's budget or the fleet's.
@@ -98,7 +102,12 @@ def shadow_price(fleet: Fleet, state: SearchState) -> float | None:
         The shadow price of Δ.
     """
     incumbent, risk_bound = state.incumbent, fleet.scenario.risk_bound
-    if not incumbent.controls or incumbent.certified <= 0.0:
+    if not incumbent.controls:
+        return None
+    if relative_gap(incumbent.cost, float(sum(fleet.base))) <= _FREE:
+        # As cheap as in empty space.
+        return 0.0
+    if incumbent.certified <= 0.0:
         return None
     if incumbent.certified < _TUNED.spent * risk_bound:
         # Turned at a price at which Δ is worth much, a plan says nothing of a lower one.
