@@ -102,13 +102,11 @@ def shadow_price(fleet: Fleet, state: SearchState) -> float | None:
         The shadow price of Δ.
     """
     incumbent, risk_bound = state.incumbent, fleet.scenario.risk_bound
-    if not incumbent.controls:
+    is_least = relative_gap(incumbent.cost, float(sum(fleet.base))) <= _FREE
+    if not incumbent.controls or (incumbent.certified <= 0.0 and not is_least):
         return None
-    if relative_gap(incumbent.cost, float(sum(fleet.base))) <= _FREE:
-        # As cheap as in empty space.
+    if is_least:
         return 0.0
-    if incumbent.certified <= 0.0:
-        return None
     if incumbent.certified < _TUNED.spent * risk_bound:
         # Turned at a price at which Δ is worth much, a plan says nothing of a lower one.
         worth = (incumbent.turned_price or 0.0) * risk_bound
