@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from radmpc import Goal, Scenario, Vehicle, double_integrator
+from radmpc import Goal, Scenario, Vehicle, Visit, Workspace, double_integrator, plan
+from radmpc.planners.certified.infeasible.cures import find_cures
 from radmpc.planners.cures.trying import passage_sentence, reach_sentence
-from radmpc.planners.cures.variants import longer_horizons
+from radmpc.planners.cures.variants import (
+    longer_horizons,
+    longer_text,
+    regulated,
+    with_horizon,
+)
 from radmpc.solvers.solution import Limits
 
 
@@ -72,3 +80,40 @@ def test_horizons_to_try_are_longer_each():
     short = replace(pair(), horizon=1)
     assert longer_horizons(short) == (2,)
     assert longer_horizons(pair()) == (12, 16, 22)
+
+
+def test_windows_that_end_with_the_horizon_are_lengthened_with_it() -> None:
+    late, free = pair().vehicles
+    scenario = pair()
+    box = Visit([3.0, -1.0], [4.0, 1.0], (2, 6))
+    late = replace(late, goal=replace(late.goal, within=(8, 10)), via=(box,))
+    longer = with_horizon(replace(scenario, vehicles=(late, free)), 15)
+    assert longer.vehicles[0].goal.within == (8, 15)
+    assert longer.vehicles[0].via[0].between == (2, 6)
+    assert longer.vehicles[1] is free
+    assert longer_text(replace(scenario, vehicles=(late, free)), 15) == (
+        "lengthen the horizon to 15 steps (15 s), and windows that end with it"
+    )
+
+
+def test_a_longer_horizon_and_feedback_are_tried_together_where_neither_does_alone() -> None:
+    slow = Vehicle(
+        name="slow",
+        system=double_integrator(1.0, 2),
+        start=[1.0, 2.0],
+        goal=Goal.at([18.0, 16.0], 0.3, 0.1),
+        radius=0.4,
+        control_limit=1.0,
+        speed_limit=0.5,
+        initial_covariance=1e-3,
+        disturbance_covariance=[1e-3, 1e-3, 1e-4, 1e-4],
+    )
+    workspace = Workspace(np.array([-2.0, -2.0]), np.array([22.0, 22.0]))
+    scenario = Scenario("slow", 1.0, 12, 0.05, [slow], workspace=workspace)
+    cures = find_cures(scenario, Limits())
+    [told] = cures.found
+    horizon = re.search(r"lengthen the horizon to (\d+) steps .*, and add feedback \(lqr", told)
+    weight = re.search(r"R = (\S+) does", told)
+    assert horizon and weight, told
+    cured = regulated(slow, float(weight[1]))
+    assert plan(replace(scenario, horizon=int(horizon[1]), vehicles=(cured,))).is_certified

@@ -13,6 +13,7 @@ from radmpc.planners.cures.variants import (
     WEIGHTS,
     helps_sentence,
     longer_horizons,
+    longer_text,
     regulated,
     with_horizon,
     with_noise,
@@ -111,8 +112,7 @@ def _longer(scenario: Scenario, does: Does, limits: Limits) -> Iterator[str]:
     """Yield the shortest horizon that does, of those tried."""
     longer = ((n, with_horizon(scenario, n)) for n in longer_horizons(scenario))
     for told in _first(((str(n), changed) for n, changed in longer), does, limits):
-        seconds = int(told) * scenario.dt
-        yield f"lengthen the horizon to {told} steps ({seconds:g} s)"
+        yield longer_text(scenario, int(told))
 
 
 def _bolder(scenario: Scenario, does: Does, limits: Limits) -> Iterator[str]:

@@ -19,6 +19,7 @@ __all__ = [
     "WEIGHTS",
     "helps_sentence",
     "longer_horizons",
+    "longer_text",
     "regulated",
     "vehicle_with_noise",
     "with_horizon",
@@ -63,14 +64,49 @@ def with_horizon(scenario: Scenario, horizon: int) -> Scenario | None:
     Parameters
     ----------
     scenario : Scenario
-        The scenario.
+        The scenario; windows that end with its horizon end with the other one, too.
     horizon : int
         Steps.
     """
+    vehicles = (_until(vehicle, scenario.horizon, horizon) for vehicle in scenario.vehicles)
     try:
-        return replace(scenario, horizon=horizon)
+        return replace(scenario, horizon=horizon, vehicles=tuple(vehicles))
     except ScenarioError:
         return None
+
+
+def _until(vehicle: Vehicle, last: int, horizon: int) -> Vehicle:
+    """Return a vehicle whose windows end at a horizon where they ended at the last one."""
+    if not _has_window_until(vehicle, last):
+        return vehicle
+
+    def moved(window: tuple[int, int] | None) -> tuple[int, int] | None:
+        return (window[0], horizon) if window is not None and window[1] == last else window
+
+    goal = replace(vehicle.goal, within=moved(vehicle.goal.within))
+    via = tuple(replace(visit, between=moved(visit.between)) for visit in vehicle.via)
+    return replace(vehicle, goal=goal, via=via)
+
+
+def _has_window_until(vehicle: Vehicle, last: int) -> bool:
+    """Whether any of its windows ends at a step."""
+    windows = [vehicle.goal.within, *(visit.between for visit in vehicle.via)]
+    return any(window is not None and window[1] == last for window in windows)
+
+
+def longer_text(scenario: Scenario, horizon: int) -> str:
+    """Return the advice to lengthen the horizon, and windows that end with it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With the present one.
+    horizon : int
+        Steps.
+    """
+    with_it = any(_has_window_until(vehicle, scenario.horizon) for vehicle in scenario.vehicles)
+    windows = ", and windows that end with it" if with_it else ""
+    return f"lengthen the horizon to {horizon} steps ({horizon * scenario.dt:g} s){windows}"
 
 
 def regulated(vehicle: Vehicle, weight: float) -> Vehicle | None:

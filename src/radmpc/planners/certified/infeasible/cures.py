@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from radmpc.errors import ScenarioError
 from radmpc.model.obstacle import MovingShape
 from radmpc.model.scenario import Scenario
@@ -9,13 +11,19 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.planners.certified.infeasible.least_risk import least_risk
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.cures.endpoints import endpoint_cures
-from radmpc.planners.cures.variants import helps_sentence, regulated, with_noise
+from radmpc.planners.cures.variants import (
+    helps_sentence,
+    longer_text,
+    regulated,
+    with_horizon,
+    with_noise,
+)
 from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import hazards_of, reserve_reason, sure_reasons
 from radmpc.planners.wording import listed
 from radmpc.program.build import condensed_models
-from radmpc.records import dataclass, replace
+from radmpc.records import dataclass
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Cures", "cure_sentence", "endpoint_sentence", "find_cures", "has_plan_within"]
@@ -56,8 +64,7 @@ def find_cures(scenario: Scenario, limits: Limits) -> Cures:
     failed: list[str] = []
     horizon = _longer(scenario, limits.within(TUNING.seconds))
     if isinstance(horizon, int):
-        seconds = horizon * scenario.dt
-        found.append(f"lengthen the horizon to {horizon} steps ({seconds:g} s)")
+        found.append(longer_text(scenario, horizon))
     elif horizon:
         failed.append(horizon)
     has_gain = any(v.gain is not None for v in scenario.vehicles)
@@ -66,6 +73,8 @@ def find_cures(scenario: Scenario, limits: Limits) -> Cures:
         found.append(f"{'soften the' if has_gain else 'add'} feedback ({feedback})")
     elif _is_noisy(scenario):
         failed.append("softer feedback" if has_gain else "feedback")
+    if not found and len(failed) > 1:
+        found += _both(scenario, limits.within(TUNING.seconds))
     if not found:
         factor = _quieter(scenario, limits.within(TUNING.seconds))
         if factor is not None:
@@ -182,9 +191,8 @@ def _least_time(scenario: Scenario, limits: Limits) -> int:
 
 def _reaches(scenario: Scenario, horizon: int) -> bool:
     """Whether every vehicle reaches its goal in time through empty space."""
-    try:
-        longer = replace(scenario, horizon=horizon)
-    except ScenarioError:  # a state that grows too far
+    longer = with_horizon(scenario, horizon)
+    if longer is None:
         return False
     return all(unable_alone(longer, s) is None for s in condensed_models(longer))
 
@@ -202,30 +210,48 @@ def _shortest(scenario: Scenario, failed: int, works: int, limits: Limits) -> in
 
 def _does(scenario: Scenario, horizon: int, limits: Limits) -> bool:
     """Whether a horizon gives a plan."""
-    try:
-        longer = replace(scenario, horizon=horizon)
-    except ScenarioError:  # a state that grows too far
+    longer = with_horizon(scenario, horizon)
+    if longer is None:
         return False
     return has_plan_within(longer, limits.within(TUNING.trial_seconds))
 
 
 def _feedback(scenario: Scenario, limits: Limits) -> str | None:
     """Return the feedback that does, softer than what there is."""
-    if not _is_noisy(scenario):
-        return None
-    for weight in TUNING.weights:
+    for weight, trial in _softer(scenario):
         if limits.reached:
             return None
+        if has_plan_within(trial, limits.within(TUNING.trial_seconds)):
+            return f"lqr with Q = 1, R = {weight:g} does"
+    return None
+
+
+def _both(scenario: Scenario, limits: Limits) -> Iterator[str]:
+    """Yield the feedback that does together with a longer horizon."""
+    for weight, trial in _softer(scenario):
+        if limits.reached:
+            return
+        horizon = _longer(trial, limits)
+        if isinstance(horizon, int):
+            word = "soften the" if any(v.gain is not None for v in scenario.vehicles) else "add"
+            told = longer_text(scenario, horizon)
+            yield f"{told}, and {word} feedback (lqr with Q = 1, R = {weight:g} does)"
+            return
+
+
+def _softer(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
+    """Yield weights and scenarios with feedback softer than what there is, where noise asks for it.
+
+    One that takes all control is none.
+    """
+    for weight in TUNING.weights if _is_noisy(scenario) else ():
         candidates = [_regulated(v, weight, scenario.horizon) for v in scenario.vehicles]
         if any(v is None for v in candidates):
             continue
         try:
-            trial = scenario.with_vehicles(v for v in candidates if v is not None)
+            yield weight, scenario.with_vehicles(v for v in candidates if v is not None)
         except ScenarioError:
             continue
-        if has_plan_within(trial, limits.within(TUNING.trial_seconds)):
-            return f"lqr with Q = 1, R = {weight:g} does"
-    return None
 
 
 def _regulated(vehicle: Vehicle, weight: float, horizon: int) -> Vehicle | None:
