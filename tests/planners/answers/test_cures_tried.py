@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from radmpc import Goal, Scenario, Vehicle, Visit, Workspace, double_integrator, plan
+from radmpc import Goal, Obstacle, Scenario, Vehicle, Visit, Workspace, double_integrator, plan
 from radmpc.planners.certified.infeasible.cures import find_cures
 from radmpc.planners.cures.trying import passage_sentence, reach_sentence
 from radmpc.planners.cures.variants import (
@@ -109,11 +109,16 @@ def test_a_longer_horizon_and_feedback_are_tried_together_where_neither_does_alo
         disturbance_covariance=[1e-3, 1e-3, 1e-4, 1e-4],
     )
     workspace = Workspace(np.array([-2.0, -2.0]), np.array([22.0, 22.0]))
-    scenario = Scenario("slow", 1.0, 12, 0.05, [slow], workspace=workspace)
+    obstacles = (
+        Obstacle.polygon("reef", [[8.0, 8.0], [12.0, 8.0], [11.0, 12.0]]),
+        Obstacle.box("pier", [10.0, 0.0], [12.0, 4.0]),
+    )
+    scenario = Scenario("slow", 1.0, 12, 0.05, [slow], obstacles, workspace=workspace)
     cures = find_cures(scenario, Limits())
     [told] = cures.found
     horizon = re.search(r"lengthen the horizon to (\d+) steps .*, and add feedback \(lqr", told)
     weight = re.search(r"R = (\S+) does", told)
-    assert horizon and weight, told
+    assert horizon is not None, told
+    assert weight is not None, told
     cured = regulated(slow, float(weight[1]))
     assert plan(replace(scenario, horizon=int(horizon[1]), vehicles=(cured,))).is_certified
