@@ -19,6 +19,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners import Centralized, Ira, Planner
 from radmpc.planners.certified import certified, fallbacks
+from radmpc.planners.certified.infeasible.explanation import why_not
 from radmpc.planners.certified.infeasible.least_risk import least_risk
 from radmpc.planners.certified.phases import searching
 from radmpc.planners.certified.search import PriceSearch
@@ -247,3 +248,18 @@ def test_less_noise_is_less_of_what_is_shared_and_measured_too():
     quiet = with_noise(scenario(one), 0.25).vehicles[0]
     assert quiet.shared[0].covariance == pytest.approx(0.25 * gust.covariance)
     assert quiet.measurement.covariance == pytest.approx(0.25 * one.measurement.covariance)
+
+
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+def test_what_a_search_along_intervals_rules_out_is_said_to_hold_of_whole_steps(avoidance):
+    blocked = scenario(vehicle("a", (0, 0), (10, 0)), obstacles=wall_with_gap(0.1))
+    found = why_not(replace(blocked, avoidance=avoidance), Limits())
+    assert found.is_proven
+    assert ("over a whole step" in found.explanation) == (avoidance == "intervals")
+
+
+def test_of_goals_out_of_reach_nothing_is_said_of_whole_steps():
+    late = replace(scenario(vehicle("a", (0, 0), (1000, 0))), avoidance="intervals")
+    found = why_not(late, Limits())
+    assert found.is_proven
+    assert "whole step" not in found.explanation

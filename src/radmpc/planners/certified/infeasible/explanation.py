@@ -20,6 +20,12 @@ from radmpc.solvers.solution import Limits
 
 __all__ = ["describe_certain", "why_not"]
 
+_WHOLE_STEPS = (
+    "Along intervals that is so where everything is passed on one side over a whole step: shorter "
+    "steps may leave a way."
+)
+"""Said of what a search ruled out: the referee looks at parts of a step, each with its own side."""
+
 _NAMED = 3
 """Hazards of the safest plan that are named [-]."""
 
@@ -98,6 +104,8 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
         texts = _told(scenario, reasons, limits)
         if found is not None and not found.stuck:
             texts.append(_of_rest(part, found, limits))
+        if len(slow) < len({i for reason in reasons for i in reason.members}):
+            texts += _of_whole_steps(scenario)
         blocked = () if slow else tuple(sorted({i for r in reasons for i in r.members}))
         return WhyNot(" ".join(texts), is_proven=True, blocked=blocked)
     if found is None:  # a limit came first
@@ -106,9 +114,15 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
     is_proven = found.bound > scenario.risk_bound
     text = _too_much(scenario, found, limits)
     if is_proven:
-        text = " ".join(filter(None, [text, cure_sentence(scenario, limits)]))
+        texts = [text, cure_sentence(scenario, limits), *_of_whole_steps(scenario)]
+        text = " ".join(filter(None, texts))
     everyone = tuple(range(scenario.num_vehicles)) if is_proven else ()
     return WhyNot(text, is_proven, found.controls, found.sets, everyone)
+
+
+def _of_whole_steps(scenario: Scenario) -> list[str]:
+    """Return the sentence that says what a search along intervals rules out; none at steps."""
+    return [_WHOLE_STEPS] if scenario.avoidance == "intervals" else []
 
 
 def _told(scenario: Scenario, reasons: Sequence[Reason], limits: Limits) -> list[str]:
