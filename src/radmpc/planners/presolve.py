@@ -11,8 +11,8 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard, Floors, floors
-from radmpc.planners.shared_reasons import endpoint_sentences
-from radmpc.planners.wording import endpoints_text, listed, lost_range_text
+from radmpc.planners.shared_reasons import ROUNDING, endpoint_sentences, range_sentences
+from radmpc.planners.wording import endpoints_text, listed
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass
 
@@ -26,9 +26,6 @@ __all__ = [
     "sure_reasons",
     "too_far_texts",
 ]
-
-_ROUNDING = 1e-6
-"""Share of Δ by which a risk must exceed it to count as above [-]: the error of the integrals."""
 
 _GROUPED = 3
 """Vehicles with the same reason from which on one sentence names them all [-]."""
@@ -92,12 +89,8 @@ def _lost_ranges(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
     """Say which vehicles begin or end out of the range that they keep."""
     from radmpc.planners.endpoints.ranges import lost_ranges  # noqa: PLC0415 - few keep a range
 
-    found = (one for end in (False, True) for one in lost_ranges(scenario, models, at_goal=end))
-    return [
-        Reason(one.members, lost_range_text(scenario, one))
-        for one in found
-        if one.risk > scenario.risk_bound * (1.0 + _ROUNDING)
-    ]
+    found = [one for end in (False, True) for one in lost_ranges(scenario, models, at_goal=end)]
+    return [Reason(*told) for told in range_sentences(scenario, found)]
 
 
 def grouped(
@@ -250,7 +243,7 @@ def endpoint_reasons(scenario: Scenario, floors: Floors) -> list[Reason]:
     list of Reason
         Empty where they risk no more than Δ.
     """
-    threshold = scenario.risk_bound * (1.0 + _ROUNDING)
+    threshold = scenario.risk_bound * (1.0 + ROUNDING)
     if floors.total <= threshold:
         return []
     hazards = (*floors.starts, *floors.goals)

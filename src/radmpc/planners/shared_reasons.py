@@ -6,9 +6,13 @@ from collections.abc import Sequence
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard
-from radmpc.planners.wording import endpoints_text, is_contact, listed, rounded
+from radmpc.planners.endpoints.ranges import LostRange
+from radmpc.planners.wording import endpoints_text, is_contact, listed, lost_range_text, rounded
 
-__all__ = ["endpoint_sentences"]
+__all__ = ["ROUNDING", "endpoint_sentences", "range_sentences"]
+
+ROUNDING = 1e-6
+"""Share of Δ by which a risk must exceed it to count as above [-]: the error of the integrals."""
 
 _SHARED = 3
 """Vehicles with the same reason from which on one sentence names them all [-]."""
@@ -41,6 +45,27 @@ def endpoint_sentences(
         else:
             told.append((members, _shared_text(scenario, members, group)))
     return told
+
+
+def range_sentences(
+    scenario: Scenario, found: Sequence[LostRange]
+) -> list[tuple[tuple[int, ...], str]]:
+    """Return which vehicles begin or end out of the range that they keep.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    found : sequence of LostRange
+        What its starts and goals risk of ranges.
+
+    Returns
+    -------
+    list of (tuple of int, str)
+        Two vehicles, and the sentence about them, where that alone is above Δ.
+    """
+    threshold = scenario.risk_bound * (1.0 + ROUNDING)
+    return [(one.members, lost_range_text(scenario, one)) for one in found if one.risk > threshold]
 
 
 def _groups(scenario: Scenario, hazards: Sequence[EndpointHazard]) -> list[list[EndpointHazard]]:

@@ -1,7 +1,8 @@
-"""What starts and goals risk at least; nothing is loaded for it where nothing is near them."""
+"""What starts and goals risk at least; nothing is loaded for it where they risk nothing."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import log, sqrt
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ from radmpc.model.scenario import Scenario
 
 if TYPE_CHECKING:
     from radmpc.planners.endpoints.floors import Floors
+    from radmpc.planners.endpoints.ranges import LostRange
+    from radmpc.program.condensed import CondensedModel
 
 __all__ = ["least_risks"]
 
@@ -20,7 +23,9 @@ _LEAST = 1e-4
 """Share of Δ below which a hazard counts as nothing [-], as in `Floors`."""
 
 
-def least_risks(scenario: Scenario, covariances: list[Tensor]) -> Floors | None:
+def least_risks(
+    scenario: Scenario, covariances: list[Tensor]
+) -> tuple[Floors | None, tuple[LostRange, ...]]:
     """Return what starts and goals risk, whatever the plan.
 
     Parameters
@@ -33,15 +38,32 @@ def least_risks(scenario: Scenario, covariances: list[Tensor]) -> Floors | None:
     Returns
     -------
     Floors or None
-        None where nothing is near any of them.
+        Of obstacles, border and others; None where nothing is near any of them.
+    tuple of LostRange
+        Of the ranges that are kept, those that starts or goals risk.
     """
-    if not any(_is_near(scenario, covariances, at_goal=one) for one in (False, True)):
-        return None
+    is_near = any(_is_near(scenario, covariances, at_goal=one) for one in (False, True))
+    if not is_near and not scenario.keep:
+        return None, ()
     # These load scipy, which takes as long as all else of a check.
     from radmpc.planners.endpoints.floors import floors  # noqa: PLC0415 - only where something is near
     from radmpc.program.build import condensed_models  # noqa: PLC0415 - only where something is near
 
-    return floors(scenario, condensed_models(scenario))
+    models = condensed_models(scenario)
+    ranges = _ranges(scenario, models) if scenario.keep else ()
+    return floors(scenario, models) if is_near else None, ranges
+
+
+def _ranges(scenario: Scenario, models: Sequence[CondensedModel]) -> tuple[LostRange, ...]:
+    """Return the ranges that starts or goals risk, starts first."""
+    from radmpc.planners.endpoints.ranges import lost_ranges  # noqa: PLC0415 - few keep a range
+
+    return tuple(
+        one
+        for at_goal in (False, True)
+        for one in lost_ranges(scenario, models, at_goal=at_goal)
+        if one.risk > _LEAST * scenario.risk_bound
+    )
 
 
 def _is_near(scenario: Scenario, covariances: list[Tensor], *, at_goal: bool) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +21,7 @@ from radmpc.records import dataclass, replace
 
 if TYPE_CHECKING:
     from radmpc.planners.endpoints.floors import EndpointHazard, Floors
+    from radmpc.planners.endpoints.ranges import LostRange
 
 __all__ = ["Outlook", "VehicleOutlook", "outlook_of"]
 
@@ -54,7 +55,7 @@ class VehicleOutlook:
         leaves [-]; None where it cannot get there in time.
     start_risk, goal_risk : float
         Sum of what its start and its goal risk at least, whatever the plan: against obstacles, the
-        border, and other vehicles' starts or goals [-].
+        border, other vehicles' starts or goals, and ranges that it keeps [-].
     narrowest : Narrowest or Passage
         The narrowest place that it must pass; unknown, too, where it cannot get there in time.
     visits : tuple of (int or None)
@@ -87,21 +88,31 @@ class Outlook:
         Its vehicles, in its order.
     endpoints : Floors or None
         Risk that no plan can avoid; None where nothing is near any start or goal.
+    ranges : tuple of LostRange
+        Ranges that starts or goals risk to lose, whatever the plan, starts first.
     """
 
     scenario: Scenario
     vehicles: tuple[VehicleOutlook, ...]
     endpoints: Floors | None
+    ranges: tuple[LostRange, ...] = ()
 
     @property
     def least_risk(self) -> float:
         """What starts and goals of the whole fleet risk at least [-]."""
-        return 0.0 if self.endpoints is None else self.endpoints.total
+        near = 0.0 if self.endpoints is None else self.endpoints.total
+        lost: dict[tuple[int, ...], float] = {}
+        for one in self.ranges:
+            # A range that is lost at both ends is one event.
+            lost[one.members] = max(lost.get(one.members, 0.0), one.risk)
+        return near + sum(lost.values())
 
     @property
     def hazards(self) -> tuple[EndpointHazard, ...]:
         """The parts of that risk, starts before goals, the greatest of either first."""
-        return () if self.endpoints is None else (*self.endpoints.starts, *self.endpoints.goals)
+        near = () if self.endpoints is None else (*self.endpoints.starts, *self.endpoints.goals)
+        found = [*near, *(one.hazard for one in self.ranges)]
+        return tuple(sorted(found, key=lambda hazard: (hazard.at_goal, -hazard.risk)))
 
 
 def outlook_of(scenario: Scenario) -> Outlook:
@@ -126,25 +137,29 @@ def outlook_of(scenario: Scenario) -> Outlook:
     for vehicle, tensor in zip(scenario.vehicles, covariances, strict=True):
         axes = list(vehicle.system.position)
         places.append(tensor[:, axes][:, :, axes])
-    endpoints = least_risks(scenario, places)
+    endpoints, ranges = least_risks(scenario, places)
+    risks = _risks(endpoints, ranges, scenario.num_vehicles)
     work = min(_WORK, _WORK_OF_ALL / scenario.num_vehicles)
     vehicles = tuple(
-        _vehicle(scenario, i, covariances[i], places[i], _risks(endpoints, i), work)
+        _vehicle(scenario, i, covariances[i], places[i], risks[i], work)
         for i in range(scenario.num_vehicles)
     )
-    return Outlook(scenario, vehicles, endpoints)
+    return Outlook(scenario, vehicles, endpoints, ranges)
 
 
-def _risks(endpoints: Floors | None, i: int) -> tuple[float, float]:
-    """Return what a vehicle's start and goal risk, pairs included."""
-    if endpoints is None:
-        return 0.0, 0.0
-    start, goal = (float(risk) for risk in endpoints.vehicles[i])
-    for hazard in (*endpoints.starts, *endpoints.goals):
-        if hazard.cause == "pair" and i in hazard.members:
-            start += 0.0 if hazard.at_goal else hazard.risk
-            goal += hazard.risk if hazard.at_goal else 0.0
-    return start, goal
+def _risks(
+    endpoints: Floors | None, ranges: Sequence[LostRange], count: int
+) -> list[tuple[float, float]]:
+    """Return what each vehicle's start and goal risk, pairs and ranges included."""
+    found = np.zeros((count, 2))
+    hazards: list[EndpointHazard | LostRange] = [*ranges]
+    if endpoints is not None:
+        found += endpoints.vehicles
+        near = (*endpoints.starts, *endpoints.goals)
+        hazards += [hazard for hazard in near if hazard.cause == "pair"]
+    for hazard in hazards:
+        found[list(hazard.members), int(hazard.at_goal)] += hazard.risk
+    return [(start, goal) for start, goal in found.tolist()]
 
 
 def _vehicle(

@@ -38,7 +38,7 @@ class EndpointHazard:
 
     Attributes
     ----------
-    cause : {'obstacle', 'pair', 'workspace'}
+    cause : {'obstacle', 'pair', 'workspace', 'range'}
         What may happen.
     members : tuple of int
         The vehicle, or the two, by their numbers in the scenario.
@@ -50,7 +50,7 @@ class EndpointHazard:
         Least probability [-].
     distance : float
         Largest distance of the mean, or of the two means, from what is to be avoided [m];
-        negative outside the workspace.
+        negative outside the workspace. Of a range the least distance of the two means.
     """
 
     cause: Cause

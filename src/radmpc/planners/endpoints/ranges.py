@@ -10,6 +10,7 @@ from radmpc.gaussian import Tail, clearance
 from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.boxes import Box
+from radmpc.planners.endpoints.floors import EndpointHazard
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.relative import relative_covariances
 from radmpc.records import dataclass
@@ -40,6 +41,11 @@ class LostRange:
     distance: float
     within: float
     risk: float
+
+    @property
+    def hazard(self) -> EndpointHazard:
+        """The same as a hazard among others."""
+        return EndpointHazard("range", self.members, None, self.at_goal, self.risk, self.distance)
 
 
 def lost_ranges(
