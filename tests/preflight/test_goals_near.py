@@ -45,9 +45,17 @@ def test_goals_given_crosswise_are_looked_at_as_they_are_near() -> None:
     assert kinds(replace(crosswise, goals=())) == ["time", "time"]
     assert kinds(crosswise) == []
     told = check_report(outlook_of(crosswise), ())
-    assert str(told[1]).endswith("by the least distance in time: v0 to 2, v1 to 1")
+    assert str(told[1]).endswith("in time and by the least sum of distances: v0 to 2, v1 to 1")
     assert outlook_json(outlook_of(crosswise), ())["goals"] == [1, 0]
     assert outlook_json(outlook_of(replace(crosswise, goals=())), ())["goals"] == []
+
+
+def test_goals_that_take_the_same_time_do_not_cross() -> None:
+    # As long along x either way: only the distances tell the two assignments apart.
+    goals = [Goal.at([30.0, y], 0.5) for y in (0.0, 12.0)]
+    fleet = [vehicle("a", [0.0, 12.0], goals[0]), vehicle("b", [0.0, 0.0], goals[1])]
+    found = with_near_goals(Scenario("two", 1.0, 24, 0.01, fleet, goals=goals))
+    assert [v.goal.center[1] for v in found.vehicles] == [12.0, 0.0]
 
 
 def test_arriving_in_time_goes_before_distance() -> None:
@@ -76,9 +84,9 @@ def test_of_many_goals_the_nearest_are_taken() -> None:
     for start in starts:
         taken = np.full(len(xs) + 1, np.inf)
         for j, x in enumerate(xs):
-            taken[j + 1] = min(taken[j], best[j] + max(abs(start - x), 3.0))
+            taken[j + 1] = min(taken[j], best[j] + np.hypot(start - x, 3.0))
         best = taken
-    total = sum(np.abs(v.start_position - v.goal.center).max() for v in found.vehicles)
+    total = sum(np.linalg.norm(v.start_position - v.goal.center) for v in found.vehicles)
     assert total == pytest.approx(best[-1])
     assert far <= total
 

@@ -1,4 +1,4 @@
-"""Who goes to which goal before planning decides it: in time, then by the least distance."""
+"""Who goes to which goal before planning decides it: in time, then by the least distances."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _MOST_TOLD = 8
 def with_near_goals(scenario: Scenario) -> Scenario:
     """Return a fleet whose shared goals are assigned so that as many as possible arrive in time.
 
-    Among those the sum of distances is the least. If someone is late even so, someone is late
-    whoever goes where.
+    Among those the sum of distances to the goals' centers is the least. If someone is late even so,
+    someone is late whoever goes where.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def with_near_goals(scenario: Scenario) -> Scenario:
     """
     far = np.array(
         [
-            [np.abs(vehicle.start_position - goal.center).max() for goal in scenario.goals]
+            [np.linalg.norm(vehicle.start_position - goal.center) for goal in scenario.goals]
             for vehicle in scenario.vehicles
         ]
     )
@@ -89,6 +89,6 @@ def assigned_text(scenario: Scenario) -> str:
     ]
     more = f" and {len(told) - _MOST_TOLD} more" if len(told) > _MOST_TOLD else ""
     return (
-        f"goals, until planning assigns them, by the least distance in time: "
+        f"goals, until planning assigns them, in time and by the least sum of distances: "
         f"{', '.join(told[:_MOST_TOLD])}{more}"
     )
