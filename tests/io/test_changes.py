@@ -57,12 +57,97 @@ def test_null_takes_a_key_away(path: Path) -> None:
     assert radmpc.load_scenario(path, {"workspace": None}).workspace is None
 
 
+FULL = (
+    SCENARIO
+    + """\
+obstacles:
+  - {name: reef, min: [4, 0], max: [6, 2]}
+  - {name: pier, min: [4, 8], max: [6, 9]}
+objective: {effort: 1.0}
+keep: [{vehicles: [east, tug.2], within: 30}]
+shared_disturbances: [{name: gust, covariance: 0.1, on: {default: 0.01}}]
+"""
+)
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        "obstacles", "objective", "keep", "shared_disturbances", "avoidance", "vehicles.east.via",
+        "defaults.initial_covariance", "defaults.cost_weight", "goals", "assign", "workspace",
+        "obstacles.reef.holes", "vehicles.east.goal.half_width", "source",
+    ],
+)  # fmt: skip
+def test_null_takes_any_optional_key_away(path: Path, key: str) -> None:
+    path.write_text(FULL, encoding="utf-8")
+    found = radmpc.load_scenario(path, {key: None})
+    assert found.obstacles if key != "obstacles" else not found.obstacles
+    assert found.keep if key != "keep" else not found.keep
+    assert (found.avoidance == "intervals") == (key == "avoidance")
+    assert (found.vehicles[0].shared == ()) == (key == "shared_disturbances")
+
+
+def test_null_takes_entries_of_lists_away(path: Path) -> None:
+    path.write_text(FULL, encoding="utf-8")
+    alone = radmpc.load_scenario(
+        path, {"keep[0]": None, "vehicles.east": None, "obstacles.pier": None}
+    )
+    assert [v.name for v in alone.vehicles] == ["tug.2"]
+    assert [o.name for o in alone.obstacles] == ["reef"]
+    none = radmpc.load_scenario(path, {"obstacles.reef": None, "obstacles[1]": None, "dt": 0.5})
+    assert none.obstacles == ()
+    later = radmpc.load_scenario(path, {"obstacles.pier": None, "obstacles": []})
+    assert later.obstacles == ()
+
+
+def test_null_that_files_have_stays_one(path: Path) -> None:
+    given = SCENARIO.replace("{radius: 0.4,", "{radius: 0.4, feedback: {lqr: {Q: 1, R: 1}},")
+    path.write_text(given, encoding="utf-8")
+    found = radmpc.load_scenario(
+        path, {"vehicles.east.feedback": None, "vehicles.east.goal.speed": None}
+    )
+    assert found.vehicles[0].gain is None
+    assert found.vehicles[1].gain is not None
+    assert found.vehicles[0].goal.speed is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"dt": None}, "dt: is required (as set; the file is "),
+        (
+            {"vehicles.east.start": None},
+            "vehicles[0].start: is required, here or in defaults (as set",
+        ),
+        ({"vehicles.west": None}, "there is no 'west', only east, tug.2"),
+        ({"vehicles.east.start[0]": None}, "vehicles[0].start[0]: must be a number, got null"),
+        ({"workspce": None}, "workspce: unknown key, did you mean 'workspace'?"),
+        ({"vehicles.east": None, "vehicles[1].radius": -1}, "vehicles[1].radius: must be > 0 m"),
+    ],
+)
+def test_what_cannot_be_taken_away_is_told(
+    path: Path, changes: dict[str, object], words: str
+) -> None:
+    with pytest.raises(ScenarioError) as error:
+        radmpc.load_scenario(path, changes)
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_errors_behind_an_entry_taken_away_keep_their_lines(path: Path) -> None:
+    path.write_text(
+        SCENARIO.replace("start: [9, 9]", "radius: -1, start: [9, 9]"), encoding="utf-8"
+    )
+    with pytest.raises(radmpc.FileFormatError, match=r"pair\.yaml:10: vehicles\[1\]\.radius: "):
+        radmpc.load_scenario(path, {"vehicles.east": None})
+
+
 def test_the_content_that_is_changed_stays_as_it_is() -> None:
     content = {"vehicles": [{"name": "east", "radius": 1.0}], "dt": 1.0}
     new, places = changed(content, {"vehicles.east.radius": 2.0})
     assert content == {"vehicles": [{"name": "east", "radius": 1.0}], "dt": 1.0}
     assert new == {"vehicles": [{"name": "east", "radius": 2.0}], "dt": 1.0}
-    assert places == (("vehicles", 0, "radius"),)
+    assert places.all == (("vehicles", 0, "radius"),)
 
 
 @pytest.mark.parametrize(

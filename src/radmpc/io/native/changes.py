@@ -3,16 +3,56 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.io.native.nulls import Gone, in_file, is_taken_away, without_gone
 from radmpc.io.native.plain import plain_mapping
 from radmpc.io.text.files import one_line, shown
 from radmpc.io.text.yaml_text import read_yaml
+from radmpc.records import dataclass
 
-__all__ = ["changed", "is_changed", "key_path", "key_value", "split_key"]
+__all__ = ["Places", "changed", "key_path", "key_value", "split_key"]
 
 Path = tuple[str | int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Where a scenario's content was changed.
+
+    Attributes
+    ----------
+    all : tuple of path
+        Of every change, entries of lists counted as in the file.
+    gone : tuple of path
+        Of the entries of lists that were taken away.
+    """
+
+    all: tuple[Path, ...]
+    gone: tuple[Path, ...] = ()
+
+    def in_file(self, error: ScenarioError) -> ScenarioError:
+        """Return an error of what was changed with its paths as in the file.
+
+        Parameters
+        ----------
+        error : ScenarioError
+            Of the content without what was taken away.
+        """
+        more = tuple(self.in_file(one) for one in error.more)
+        return ScenarioError(error.message, in_file(error.path, self.gone), more)
+
+    def hold(self, path: Path) -> bool:
+        """Whether a value is one of those that were replaced, or a part of one.
+
+        Parameters
+        ----------
+        path : path
+            Of the value, as in the file.
+        """
+        return any(path[: len(place)] == place for place in self.all)
+
 
 _PART = re.compile(r"\.?(?P<key>[^.\[\]]+)|\[(?P<item>[^\[\]]+)\]")
 _KEY = re.compile(r"[^.\[\]]+(?:\.[^.\[\]]+|\[[^\[\]]+\])*")
@@ -82,8 +122,10 @@ def key_path(key: str) -> Path:
     return tuple(int(item) if item and item.isdecimal() else name or item for name, item in parts)
 
 
-def changed(content: object, changes: Mapping[str, object]) -> tuple[object, tuple[Path, ...]]:
+def changed(content: object, changes: Mapping[str, object]) -> tuple[object, Places]:
     """Return a scenario's content with some values replaced, and where they stand.
+
+    None takes away an entry of a list, and a key for which files have no ``null``.
 
     Parameters
     ----------
@@ -96,8 +138,8 @@ def changed(content: object, changes: Mapping[str, object]) -> tuple[object, tup
     -------
     content : object
         A copy as deep as the changes.
-    places : tuple of path
-        Of every change, entries of lists counted.
+    places : Places
+        Of every change, entries of lists counted as before the change.
 
     Raises
     ------
@@ -110,36 +152,30 @@ def changed(content: object, changes: Mapping[str, object]) -> tuple[object, tup
     for key, value in plain.items():
         content, place = _with(content, key_path(key), value, key)
         places.append(place)
-    return content, tuple(places)
+    content, gone = without_gone(content, places)
+    return content, Places(tuple(places), gone)
 
 
-def is_changed(path: Path, places: Sequence[Path]) -> bool:
-    """Whether a value is one of some that were replaced, or a part of one.
-
-    Parameters
-    ----------
-    path : path
-        Of the value.
-    places : sequence of path
-        Of the changes.
-    """
-    return any(path[: len(place)] == place for place in places)
-
-
-def _with(content: object, path: Path, value: object, key: str) -> tuple[object, Path]:
+def _with(
+    content: object, path: Path, value: object, key: str, above: Path = ()
+) -> tuple[object, Path]:
     """Return content with the value at a path replaced, and the path as it was found."""
     if not path:
-        return value, ()
+        is_entry = value is None and isinstance(content, Mapping) and isinstance(above[-1], int)
+        return (Gone() if is_entry else value), above
     head, *rest = path
     if isinstance(content, list):
         index = _index(content, head, key)
-        part, place = _with(content[index], tuple(rest), value, key)
-        return [*content[:index], part, *content[index + 1 :]], (index, *place)
+        part, place = _with(content[index], tuple(rest), value, key, (*above, index))
+        return [*content[:index], part, *content[index + 1 :]], place
     if not isinstance(content, Mapping | None) or not isinstance(head, str):
         raise ScenarioError(f"{key}: {shown(content)} has no part {shown(head)}")
     entries = {} if content is None else dict(content)
-    part, place = _with(entries.get(head), tuple(rest), value, key)
-    return {**entries, head: part}, (head, *place)
+    if value is None and not rest and is_taken_away((*above, head)):
+        entries.pop(head, None)
+        return entries, (*above, head)
+    part, place = _with(entries.get(head), tuple(rest), value, key, (*above, head))
+    return {**entries, head: part}, place
 
 
 def _index(entries: list[object], head: str | int, key: str) -> int:

@@ -15,7 +15,7 @@ from radmpc.errors import ScenarioError
 from radmpc.io.native.numbers import MARK
 from radmpc.io.text.files import shown
 
-__all__ = ["check_format", "validated"]
+__all__ = ["check_format", "union_members", "validated"]
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
@@ -131,16 +131,22 @@ def _keys(model: type[BaseModel], path: list[str | int]) -> list[str]:
 
 def _only(annotation: Any, is_wanted: Callable[[Any], bool]) -> Any:
     """Return the one member of a union that is meant, or the type itself."""
-    found = [member for member in _members(annotation) if is_wanted(member)]
+    found = [member for member in union_members(annotation) if is_wanted(member)]
     return found[0] if found else annotation
 
 
-def _members(annotation: Any) -> list[Any]:
-    """Return the members of a union, however deep and however marked; the type itself if none."""
+def union_members(annotation: Any) -> list[Any]:
+    """Return the members of a union, however deep and however marked; the type itself if none.
+
+    Parameters
+    ----------
+    annotation : type
+        Of a field.
+    """
     if typing.get_origin(annotation) is Annotated:
-        return _members(typing.get_args(annotation)[0])
+        return union_members(typing.get_args(annotation)[0])
     if isinstance(annotation, types.UnionType) or typing.get_origin(annotation) is typing.Union:
-        return [one for member in typing.get_args(annotation) for one in _members(member)]
+        return [one for member in typing.get_args(annotation) for one in union_members(member)]
     return [annotation]
 
 

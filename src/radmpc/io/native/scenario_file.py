@@ -8,7 +8,7 @@ from pathlib import Path
 
 from radmpc.arguments import check_path
 from radmpc.errors import FileFormatError, ScenarioError
-from radmpc.io.native.changes import changed, is_changed
+from radmpc.io.native.changes import changed
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.text.document import read_document
@@ -36,7 +36,7 @@ def load_scenario(
     changes : mapping of str to object, optional
         Values that stand in place of the file's, by key: ``{"risk_bound": 0.02,
         "vehicles.tug.start": [0, 5]}``. An entry of a list is named, or counted from 0 in brackets:
-        ``obstacles[0].min``.
+        ``obstacles[0].min``. None takes away an entry, and a key for which files have no ``null``.
 
     Returns
     -------
@@ -56,9 +56,10 @@ def load_scenario(
     try:
         return decode_scenario(content)
     except ScenarioError as error:
-        if is_changed(error.path, places):
-            raise ScenarioError(f"{error} (as set; the file is {document.name})") from error
-        raise document.failure(error) from error
+        told = places.in_file(error)
+        if places.hold(told.path):
+            raise ScenarioError(f"{told} (as set; the file is {document.name})") from error
+        raise document.failure(told) from error
 
 
 def save_scenario(scenario: Scenario, path: str | os.PathLike[str]) -> None:
