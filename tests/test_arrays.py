@@ -63,7 +63,7 @@ def test_a_covariance_is_a_number_a_diagonal_or_a_matrix(value: object) -> None:
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        ([[1.0, 0.5], [0.4, 1.0]], "must be symmetric"),
+        ([[1.0, 0.5], [0.4, 1.0]], r"symmetric, got 0\.5 at \[0\]\[1\] and 0\.4 at \[1\]\[0\]$"),
         ([[1.0, 2.0], [2.0, 1.0]], "positive semi-definite, got an eigenvalue of -1"),
         (-1.0, "positive semi-definite"),
     ],

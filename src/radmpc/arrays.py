@@ -201,7 +201,12 @@ def as_covariance(value: object, size: int, path: tuple[str | int, ...]) -> Matr
         matrix = as_matrix(value, (size, size), path)  # type: ignore[arg-type] # checked there
     scale = max(float(np.abs(matrix).max()), 1e-300)
     if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9 * scale):
-        raise ScenarioError("must be symmetric", path)
+        i, j = np.unravel_index(int(np.abs(matrix - matrix.T).argmax()), matrix.shape)
+        raise ScenarioError(
+            f"must be symmetric, got {matrix[i, j]:.10g} at [{i}][{j}] and {matrix[j, i]:.10g} at "
+            f"[{j}][{i}]",
+            path,
+        )
     matrix = 0.5 * (matrix + matrix.T)
     lowest = float(np.linalg.eigvalsh(matrix)[0])
     if lowest < -1e-9 * scale:

@@ -38,6 +38,28 @@ def test_wrong_usage_is_one_line_that_points_to_help(run: Run, words: list[str])
     assert "--help" in assert_one_line(result.stderr)
 
 
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["plan", "a.yaml", "--time-limit", "nan"], "'--time-limit': must be at least 0, got nan"),
+        (["plan", "a.yaml", "--jobs", "0"], "'--jobs': must be at least 1, got 0"),
+        (["plan", "a.yaml", "--jobs", "two"], "'--jobs': must be a whole number, got two"),
+        (["plan", "a.yaml", "--gap", ""], "'--gap': must be a number, got ''"),
+        (["plan", "a.yaml", "--seed", "-1"], "'--seed': must be at least 0, got -1"),
+        (["verify", "a.json", "--samples", "0"], "'--samples': must be at least 1, got 0"),
+        (["serve", "--port", "99999"], "'--port': must be at most 65535, got 99999"),
+        (["reproduce", "--seeds", "0"], "'--seeds': must be at least 1, got 0"),
+        (["fly", "a.json", "--deadline", "nan"], "'--deadline': must be at least 0, got nan"),
+    ],
+)
+def test_a_value_that_an_option_does_not_take_is_told_with_what_is_allowed(
+    run: Run, words: list[str], told: str
+) -> None:
+    result = run(*words)
+    assert result.exit_code == 2
+    assert told in assert_one_line(result.stderr)
+
+
 @pytest.mark.parametrize("option", ["-v", "--jobs"])
 def test_an_option_before_its_command_is_told_its_place(run: Run, option: str) -> None:
     result = run(option, "plan", "a.yaml")

@@ -35,6 +35,15 @@ def claim(path: Path, **claims: object) -> None:
     path.write_text(json.dumps(content), encoding="utf-8")
 
 
+def test_a_flight_is_named_as_one(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "x.flight.jsonl"
+    path.write_text('{"format": "radmpc/flight/1"}\n{"step": 0}\n', encoding="utf-8")
+    result = run("export", path, "--to", "csv", "-o", tmp_path / "x.csv")
+    assert result.exit_code == 2
+    line = assert_one_line(result.stderr)
+    assert "x.flight.jsonl: is a flight, not a plan: give the plan that was flown" in line
+
+
 @pytest.mark.parametrize("to", [name for name in FORMATS if name not in {"qgc", "waypoints"}])
 def test_a_fleet_goes_into_one_file(run: Run, plan_file: Path, to: str) -> None:
     words = () if to == "csv" else ORIGIN

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from radmpc.errors import FileFormatError
 from radmpc.io.native.plan_file import NotPlannedError, load_plan
+from radmpc.io.text.files import one_line
 from radmpc.model.plan import Plan
 
 __all__ = ["read_plan"]
@@ -18,7 +19,7 @@ def read_plan(path: Path) -> Plan:
     Raises
     ------
     FileFormatError
-        As in `load_plan`; for a scenario it names the command that plans it.
+        As in `load_plan`; for a scenario it names the command that plans it, and a flight is named.
     """
     try:
         return load_plan(path)
@@ -26,3 +27,10 @@ def read_plan(path: Path) -> Plan:
         made = path.with_name(f"{path.name.split('.')[0] or 'fleet'}.plan.json")
         command = f"radmpc plan {shlex.quote(str(path))} -o {shlex.quote(str(made))}"
         raise FileFormatError(f"{error}: {command}") from error
+    except FileFormatError as error:
+        from radmpc.io.flight.flight_file import is_flight  # noqa: PLC0415 - most files are plans
+
+        if is_flight(path):
+            text = f"{path}: is a flight, not a plan: give the plan that was flown"
+            raise FileFormatError(one_line(text)) from error
+        raise

@@ -14,6 +14,7 @@ from typer.core import TyperGroup
 
 from radmpc.console.output import note, silence_closed_pipe
 from radmpc.console.running.interrupt import interrupt_on_termination
+from radmpc.console.running.usage import usage_line
 from radmpc.errors import FileFormatError, NoPlanError, RadmpcError, SolverError
 
 __all__ = ["Code", "GuardedCommands"]
@@ -147,7 +148,7 @@ def _guarded(run: Callable[[], object], is_debug: bool) -> int:
 def _verdict(error: Exception) -> tuple[str, Code]:
     """Return the line and the exit code for an error."""
     if isinstance(error, _USAGE_ERRORS):
-        return _usage_line(error), Code.BAD_INPUT
+        return usage_line(error), Code.BAD_INPUT
     if isinstance(error, typer.Abort) or _is_interrupted_import(error):
         return "interrupted", Code.NO
     if isinstance(error, NoPlanError):
@@ -170,13 +171,6 @@ def _is_interrupted_import(error: BaseException | None) -> bool:
             return True
         cause = cause.__cause__ or cause.__context__
     return False
-
-
-def _usage_line(error: Any) -> str:
-    """Return what is wrong with the command line and where help is."""
-    context = getattr(error, "ctx", None)
-    command = "radmpc" if context is None else context.command_path
-    return f"{error.format_message().rstrip('.')}; see '{command} --help'"
 
 
 def _file_line(error: OSError) -> str:

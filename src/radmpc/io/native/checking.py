@@ -103,6 +103,9 @@ def _message(model: type[BaseModel], detail: ErrorDetails) -> str:
     if kind == "too_long":
         most, count = detail["ctx"]["max_length"], len(detail["input"])
         return f"must have at most {most:,} entries, got {count:,}"
+    if kind == "too_short":
+        least, count = detail["ctx"]["min_length"], len(detail["input"])
+        return f"must have at least {least} {'entry' if least == 1 else 'entries'}, got {count}"
     if kind not in _MESSAGES:
         return detail["msg"]
     expected = _MESSAGES[kind].format(**detail.get("ctx", {}))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 from radmpc.arrays import as_vector
 from radmpc.errors import ScenarioError, raise_together
 from radmpc.io.native.checking import check_format, validated
+from radmpc.io.native.dimensions import odd_goal, usual_axes
 from radmpc.io.native.moving import build_tracked
 from radmpc.io.native.plain import plain_mapping
 from radmpc.io.native.schema import (
@@ -181,14 +182,15 @@ def _vehicles(spec: ScenarioSpec, dt: float) -> tuple[Vehicle, ...]:
     """Return the vehicles, their own fields before the defaults."""
     shared = Shared(dt)
     parts = _Attempts()
+    usual = usual_axes(spec)
     vehicles = [
-        parts.attempt(partial(_vehicle, spec, i, shared)) for i in range(len(spec.vehicles))
+        parts.attempt(partial(_vehicle, spec, i, shared, usual)) for i in range(len(spec.vehicles))
     ]
     raise_together(parts.errors)
     return tuple(vehicle for vehicle in vehicles if vehicle is not None)
 
 
-def _vehicle(spec: ScenarioSpec, index: int, shared: Shared) -> Vehicle:
+def _vehicle(spec: ScenarioSpec, index: int, shared: Shared, usual: int | None) -> Vehicle:
     """Return one vehicle."""
     entry = spec.vehicles[index]
     own = {name: getattr(entry, name) for name in entry.model_fields_set}
@@ -202,7 +204,9 @@ def _vehicle(spec: ScenarioSpec, index: int, shared: Shared) -> Vehicle:
     try:
         return build_vehicle(defaults.model_copy(update=own), shared)
     except ScenarioError as error:
-        raise error.under("vehicles", index) from error
+        # A goal says how many states there are: lists that are right would be blamed for it.
+        told = odd_goal(spec.vehicles[index].goal, usual) or error
+        raise told.under("vehicles", index) from error
 
 
 def _obstacles(spec: ScenarioSpec) -> tuple[Obstacle, ...]:
