@@ -54,6 +54,18 @@ CASES = {
     "feedback and memory": (Truth(color=0.7, steps=1000), "references"),
     "shared": (Truth(vehicles=2, share=0.4), "commands"),
     "measured": (Truth(seen=(0.05, 0.05, 0.01, 0.01)), "commands"),
+    "measured in positions": (
+        Truth(scale=0.2, steps=300, seen=(0.02, 0.02, 0.0, 0.0)),
+        "commands",
+    ),
+    "half hidden by measurement": (
+        Truth(scale=0.05, steps=300, seen=(0.02, 0.02, 0.01, 0.01)),
+        "commands",
+    ),
+    "hidden by measurement": (
+        Truth(scale=0.005, steps=300, seen=(0.02, 0.02, 0.01, 0.01)),
+        "commands",
+    ),
     "tails": (Truth(freedom=8.0, steps=1000), "commands"),
 }
 

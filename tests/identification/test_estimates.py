@@ -82,6 +82,23 @@ def test_measurement_noise_is_told_from_disturbance() -> None:
     assert np.diag(pooled.covariance.value) == pytest.approx(np.diag(truth.spread), rel=0.35)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_disturbance_hidden_by_measurement_noise_has_an_upper_end_alone(seed: int) -> None:
+    truth = Truth(steps=300, scale=0.005, seen=(0.02, 0.02, 0.01, 0.01))
+    found = identify(fly(truth, seed))
+    disturbance, measurement = found.pooled.covariance, found.pooled.measurement
+    for covariance in (disturbance.value, measurement.value):
+        assert np.linalg.eigvalsh(covariance)[0] > 0.0
+    # Positions tell nothing of disturbances below what sensors add in a step.
+    assert np.diag(disturbance.low)[:2] == pytest.approx(0.0, abs=1e-12)
+    assert np.all(np.diag(disturbance.high) > np.diag(truth.spread))
+    assert any(sentence.startswith("disturbance of x, y") for sentence in found.unknown)
+    # 300 steps tell a variance within a sixth at best.
+    width = np.diag(measurement.high - measurement.low) / np.diag(measurement.value)
+    assert np.all(width > 0.25)
+    assert found.pooled.worth < 30.0
+
+
 def test_a_second_sensor_tells_the_noise_of_the_first() -> None:
     truth = Truth(steps=2000, color=0.6)
     [track] = fly(truth, 8)

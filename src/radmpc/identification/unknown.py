@@ -89,8 +89,12 @@ def _of_references(identified: Estimate, model: StepModel) -> list[str]:
 
 def _of_commands(identified: Estimate, model: StepModel) -> list[str]:
     """Return what states with commands do not tell."""
-    del model
     sentences = []
+    if identified.measurement is not None and (hidden := _hidden(identified, model)):
+        sentences.append(
+            f"disturbance of {hidden}: measurement noise hides it; no more than the upper end of "
+            "its interval is known"
+        )
     if identified.gain is None:
         sentences.append("feedback: commands without references hide what they answer")
     if identified.measurement is None and identified.color > 0.0:
@@ -109,6 +113,14 @@ def _of_commands(identified: Estimate, model: StepModel) -> list[str]:
     ):
         sentences.append("whose tails are heavy: those of the disturbance or of the measurement")
     return sentences
+
+
+def _hidden(identified: Estimate, model: StepModel) -> str:
+    """Return the states whose disturbance may be none."""
+    axes = "xyz"[: model.dimension]
+    names = [*axes, *(f"v{axis}" for axis in axes)]
+    lows = np.diag(identified.covariance.low)
+    return ", ".join(name for name, low in zip(names, lows, strict=True) if low <= 0.0)
 
 
 def misfit_of_color(identified: Estimate) -> str | None:
