@@ -12,7 +12,12 @@ from radmpc.arguments import check_kind
 from radmpc.errors import ArgumentError
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
-from radmpc.plotting.artists.legend import draw_legend, draw_views_legend, num_legend_lines
+from radmpc.plotting.artists.legend import (
+    draw_legend,
+    draw_views_legend,
+    num_legend_lines,
+    num_views_legend_lines,
+)
 from radmpc.plotting.canvas.extent import plan_extent
 from radmpc.plotting.canvas.figure import (
     check_axes,
@@ -23,7 +28,7 @@ from radmpc.plotting.canvas.figure import (
 )
 from radmpc.plotting.canvas.title import draw_headlines, draw_title, num_title_lines
 from radmpc.plotting.contents import draw_contents
-from radmpc.plotting.views import Views, new_views, settle_views
+from radmpc.plotting.views import VIEWS_WIDTH, Views, new_views, settle_views
 
 __all__ = ["plot_plan", "plot_views"]
 
@@ -108,7 +113,7 @@ def _draw_views(
     plan: Plan, figure: Figure | SubFigure | None, *, details: bool = True, title: str | None = None
 ) -> Views:
     """Draw three panels."""
-    lines = num_title_lines(plan, details=details) + 1
+    lines = num_title_lines(plan, details=details) + num_views_legend_lines(plan, VIEWS_WIDTH)
     views = new_views(plan_extent(plan), lines, figure)
     draw_headlines(views.figure, plan, details=details, headline=title)
     draw_views_legend(views.figure, plan)

@@ -23,9 +23,10 @@ from radmpc.plotting.canvas.style import COLUMN_WIDTH, LABEL_SIZE
 from radmpc.plotting.curves import ABOVE, SIDE, Plane
 from radmpc.records import dataclass
 
-__all__ = ["Views", "new_views", "settle_views"]
+__all__ = ["VIEWS_WIDTH", "Views", "new_views", "settle_views"]
 
-_WIDTH = 2.0 * COLUMN_WIDTH  # [in]
+VIEWS_WIDTH = 2.0 * COLUMN_WIDTH
+"""Width of a figure of its own, of two columns [in]."""
 
 _BESIDE = 0.45
 """Width of ticks and label of the y axis, and of the gap between the columns [in]."""
@@ -83,12 +84,12 @@ def new_views(extent: Matrix, num_lines: int, figure: Figure | SubFigure | None 
     x, y, z = extent[1] - extent[0]
     flat, oblique = (y + z) / x, ratio_in_space(extent)
     # Both columns end at the same height where flat * w + 2 * below = oblique * (rest - w).
-    room = _WIDTH - _BESIDE
+    room = VIEWS_WIDTH - _BESIDE
     share = (oblique * room - 2.0 * _BELOW) / ((flat + oblique) * room)
     width = float(np.clip(share, _LEAST, _MOST)) * room
     panels = max(flat * width + 2.0 * _BELOW, oblique * (room - width))
     if figure is None:
-        figure = new_figure(_WIDTH, panels + _LINE * num_lines + _EDGES)
+        figure = new_figure(VIEWS_WIDTH, panels + _LINE * num_lines + _EDGES)
     grid = figure.add_gridspec(
         2, 2, width_ratios=[width + _BESIDE, room - width],
         height_ratios=[y / x * width + _BELOW, z / x * width + _BELOW],

@@ -21,8 +21,10 @@ from radmpc.plotting.artists.ghosts import nearest_ghosts
 from radmpc.plotting.artists.highlights import worst_rows
 from radmpc.plotting.artists.relations import FOR_SOME, RANGE_DASHES
 from radmpc.plotting.artists.straying import SPREAD_DASHES
+from radmpc.plotting.canvas.columns import columns_within, lines_within
 from radmpc.plotting.canvas.style import (
     ALERT,
+    COLUMN_WIDTH,
     MUTED,
     OBSTACLE_EDGE,
     OBSTACLE_FILL,
@@ -32,13 +34,23 @@ from radmpc.plotting.canvas.style import (
     vehicle_dashes,
 )
 
-__all__ = ["draw_film_legend", "draw_legend", "draw_views_legend", "num_legend_lines"]
+__all__ = [
+    "draw_film_legend",
+    "draw_legend",
+    "draw_views_legend",
+    "num_film_legend_lines",
+    "num_legend_lines",
+    "num_views_legend_lines",
+]
 
 _DROP = 0.27
 """Distance of the legend from the axes' lower edge, past ticks and label [in]."""
 
-_MOST_COLUMNS = 5
-"""Entries in one line of a legend."""
+_BESIDE = 0.5
+"""Width of ticks, label and margins beside axes, which a legend below them leaves free [in]."""
+
+_MARGINS = 0.1
+"""Width that a legend below several panels leaves free [in]."""
 
 _LOOKS: dict[str, Any] = {
     "handler_map": {tuple: HandlerTuple(ndivide=1)},
@@ -54,8 +66,26 @@ Handle = Artist | tuple[Artist, ...]
 
 
 def num_legend_lines(plan: Plan) -> int:
-    """Return how many lines the legend of a plan in a figure of its own takes."""
-    return -(-len(_entries(plan)) // _MOST_COLUMNS)
+    """Return how many lines the legend of a plan in a figure of its own, of one column, takes."""
+    return lines_within(_entries(plan), COLUMN_WIDTH - _BESIDE, _LOOKS)
+
+
+def num_views_legend_lines(plan: Plan, width: float) -> int:
+    """Return how many lines the legend below three panels takes.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is drawn.
+    width : float
+        Of the figure [in].
+    """
+    return lines_within(_entries(plan, is_flat=True), width - _MARGINS, _LOOKS)
+
+
+def num_film_legend_lines(plan: Plan) -> int:
+    """Return how many lines the legend of a film in a figure of its own, of one column, takes."""
+    return lines_within(_film_entries(plan), COLUMN_WIDTH - _BESIDE, _LOOKS)
 
 
 def draw_legend(ax: Axes, plan: Plan) -> None:
@@ -85,8 +115,9 @@ def draw_views_legend(figure: Figure | SubFigure, plan: Plan) -> None:
     root = figure.get_figure(root=True)
     is_laid_out = root is not None and isinstance(root.get_layout_engine(), ConstrainedLayoutEngine)
     handles: list[Any] = list(entries.values())
+    columns = columns_within(entries, _width(figure) - _MARGINS, _LOOKS)
     figure.legend(
-        handles, list(entries), ncols=len(entries), fontsize=TICK_SIZE,
+        handles, list(entries), ncols=columns, fontsize=TICK_SIZE,
         loc="outside lower center" if is_laid_out else "lower center", **_LOOKS,
     )  # fmt: skip
 
@@ -101,6 +132,11 @@ def draw_film_legend(ax: Axes, plan: Plan) -> None:
     plan : Plan
         What is drawn.
     """
+    _place(ax, _film_entries(plan))
+
+
+def _film_entries(plan: Plan) -> dict[str, Handle]:
+    """Return the handles of a film's legend by what they mean."""
     entries: dict[str, Handle] = {"start": _sign("o", 5.5, "none", MUTED, 0.9)}
     if plan.trajectories:
         is_flat = plan.scenario.dimension == 2
@@ -112,7 +148,12 @@ def draw_film_legend(ax: Axes, plan: Plan) -> None:
             linestyle=(0, (3, 1.5)),
         )  # fmt: skip
     entries["goal"] = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
-    _place(ax, entries | _relations(plan.scenario, "range"))
+    return entries | _relations(plan.scenario, "range")
+
+
+def _width(figure: Figure | SubFigure) -> float:
+    """Return the width of a figure or of a part of one [in]."""
+    return float(figure.bbox.width / figure.dpi)
 
 
 def _place(ax: Axes, entries: dict[str, Handle]) -> None:
@@ -120,7 +161,6 @@ def _place(ax: Axes, entries: dict[str, Handle]) -> None:
     figure = ax.get_figure(root=True)
     if figure is None:
         return
-    lines = -(-len(entries) // _MOST_COLUMNS)
     drop = 0.0 if isinstance(ax, Axes3D) else -_DROP
     below = ScaledTranslation(0.0, drop, figure.dpi_scale_trans)
     ax.legend(
@@ -129,7 +169,7 @@ def _place(ax: Axes, entries: dict[str, Handle]) -> None:
         loc="upper center",
         bbox_to_anchor=(0.5, 0.0),
         bbox_transform=ax.transAxes + below,
-        ncols=-(-len(entries) // lines),
+        ncols=columns_within(entries, _width(figure) - _BESIDE, _LOOKS),
         fontsize=TICK_SIZE,
         **_LOOKS,
     )

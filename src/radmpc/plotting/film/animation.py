@@ -17,7 +17,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.arguments import check_integer
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
-from radmpc.plotting.artists.legend import draw_film_legend
+from radmpc.plotting.artists.legend import draw_film_legend, num_film_legend_lines
 from radmpc.plotting.canvas.extent import plan_extent
 from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
 from radmpc.plotting.canvas.space_labels import board_of
@@ -148,7 +148,7 @@ def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
     check_axes(ax, plan.scenario.dimension)
     check_integer(frames_per_step, "frames_per_step", 1, _MOST_FRAMES)
     extent = plan_extent(plan)
-    lines = num_title_lines(plan, details=False) + 1
+    lines = num_title_lines(plan, details=False) + num_film_legend_lines(plan)
     axes = new_axes(extent, lines) if ax is None else ax
     figure = axes.get_figure(root=True)
     if figure is None:

@@ -1,0 +1,100 @@
+"""Legends stay within their figures and off titles, however many signs there are."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+
+from radmpc import Keep, Obstacle, Scenario, Visit
+from radmpc.model.plan import Plan
+from radmpc.model.relations.concerns import all_but
+from radmpc.plotting import animate_plan, plot_plan, save_animation, save_figure
+from radmpc.plotting.canvas.columns import columns_within, lines_within
+
+from .conftest import HORIZON, make_plan, make_vehicle
+
+
+def crowded(dimension: int, *, is_zoned: bool = True) -> Plan:
+    """A plan with every sign that a legend can hold: visits, ranges, noise, who passes through.
+
+    Without a zone that one passes through, ten signs are left.
+    """
+    up = [2.0] * (dimension - 2)
+    first = make_vehicle("a", [1.0, 1.0, *up], [9.0, 9.0, *up])
+    first = replace(first, via=(Visit.at([5.0, 5.0, *up], 0.5),))
+    second = make_vehicle("b", [1.0, 9.0, *up], [9.0, 2.0, *up])
+    zone = Obstacle.box("zone", [4.0] * dimension, [5.0] * dimension)
+    still = [0.0] * (dimension - 2)
+    ship = Obstacle.tracked("ship", _cube(dimension), [2.0, 3.0, *up, 1.0, 0.0, *still], 0.01)
+    obstacles = [all_but(zone, ["a"]), ship] if is_zoned else [ship]
+    keep = [Keep(["a", "b"], 20.0)]
+    given = Scenario("crowd", 1.0, HORIZON, 0.05, [first, second], obstacles, keep=keep)
+    return make_plan(given, (("a", "b"),))
+
+
+def _cube(dimension: int) -> np.ndarray:
+    return np.array(np.meshgrid(*[[-0.5, 0.5]] * dimension)).reshape(dimension, -1).T
+
+
+def drawn_legend(figure: Figure) -> Legend:
+    """The one legend of a figure that is laid out as it will be written."""
+    figure.draw_without_rendering()
+    (found,) = figure.findobj(Legend)
+    return found
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_legend_with_every_sign_stays_within_the_picture(dimension: int) -> None:
+    figure = plot_plan(crowded(dimension)).figure
+    legend = drawn_legend(figure)
+    assert {"visit", "range, widest", "for some only", "when nearest", "dashed: same set"} <= {
+        text.get_text() for text in legend.get_texts()
+    }
+    box = legend.get_window_extent()
+    assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width
+    assert box.y0 >= 0.0
+
+
+@pytest.mark.parametrize("is_zoned", [True, False])
+def test_a_crowded_legend_leaves_the_map_its_width(is_zoned: bool) -> None:
+    ax = plot_plan(crowded(2, is_zoned=is_zoned))
+    legend = drawn_legend(ax.figure).get_window_extent()
+    assert ax.get_window_extent().width > 0.8 * ax.figure.bbox.width
+    assert not legend.overlaps(ax.get_window_extent())
+    assert 0.0 <= legend.x0 < legend.x1 <= ax.figure.bbox.width
+
+
+@pytest.mark.parametrize("dimension", [2, pytest.param(3, marks=pytest.mark.slow)])
+def test_nothing_is_warned_of_when_a_crowded_plan_is_drawn(dimension: int, tmp_path: Path) -> None:
+    plan = crowded(dimension, is_zoned=dimension == 3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        save_figure(plan, tmp_path / "plan.png")
+        save_animation(plan, tmp_path / "plan.gif", frames_per_step=1)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_legend_of_a_film_stays_within_it(dimension: int) -> None:
+    film = animate_plan(crowded(dimension), frames_per_step=1)
+    film._draw_was_started = True
+    legend = drawn_legend(film._fig)
+    box = legend.get_window_extent()
+    assert 0.0 <= box.x0 < box.x1 <= film._fig.bbox.width
+    assert box.y0 >= 0.0
+
+
+def test_a_legend_has_the_fewest_lines_that_fit_its_width() -> None:
+    entries = {f"an entry of some length {i}": Line2D([], []) for i in range(7)}
+    lines = [lines_within(entries, width, {}) for width in (0.1, 3.0, 5.0, 99.0)]
+    assert lines[0] == 7
+    assert lines == sorted(lines, reverse=True)
+    assert lines[-1] == 1
+    assert columns_within(entries, 99.0, {}, most=3) == 3
+    assert columns_within({}, 1.0, {}) == 1
