@@ -11,12 +11,23 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 
 from radmpc import Keep, Obstacle, Scenario, Visit
-from radmpc.model.plan import Plan
+from radmpc.model.plan import LedgerRow, Plan, Risk
 from radmpc.model.relations.concerns import all_but
-from radmpc.plotting import animate_plan, plot_plan, save_animation, save_figure
+from radmpc.plotting import (
+    Chart,
+    animate_plan,
+    plot_chart,
+    plot_distances,
+    plot_ledger,
+    plot_plan,
+    save_animation,
+    save_figure,
+)
 from radmpc.plotting.canvas.columns import columns_within, lines_within
+from radmpc.plotting.chart import Spread
 
 from .conftest import HORIZON, make_plan, make_vehicle
 
@@ -37,6 +48,13 @@ def crowded(dimension: int, *, is_zoned: bool = True) -> Plan:
     keep = [Keep(["a", "b"], 20.0)]
     given = Scenario("crowd", 1.0, HORIZON, 0.05, [first, second], obstacles, keep=keep)
     return make_plan(given, (("a", "b"),))
+
+
+def long_names(plan: Plan) -> Plan:
+    """The same plan of vehicles whose names are long."""
+    vehicles = [replace(v, name=f"{v.name}, on reconnaissance") for v in plan.scenario.vehicles]
+    scenario = replace(plan.scenario, vehicles=vehicles, keep=(), obstacles=())
+    return make_plan(scenario, (tuple(v.name for v in vehicles),))
 
 
 def _cube(dimension: int) -> np.ndarray:
@@ -88,6 +106,49 @@ def test_the_legend_of_a_film_stays_within_it(dimension: int) -> None:
     box = legend.get_window_extent()
     assert 0.0 <= box.x0 < box.x1 <= film._fig.bbox.width
     assert box.y0 >= 0.0
+
+
+@pytest.mark.parametrize("change", [lambda plan: plan, long_names])
+def test_the_causes_in_a_ledger_stand_beside_the_heading_not_on_it(change) -> None:
+    plan = change(crowded(2, is_zoned=False))
+    one, other = (vehicle.name for vehicle in plan.scenario.vehicles)
+    rows = (
+        LedgerRow("pair", one, other, 1, 0.004),
+        LedgerRow("obstacle", one, None, 2, 0.003),
+        LedgerRow("workspace", other, None, 2, 0.003),
+        LedgerRow("range", one, other, 3, 0.002),
+    )
+    figure = plot_ledger(replace(plan, risk=Risk(0.05, 0.012, rows)))
+    legend = drawn_legend(figure).get_window_extent()
+    (heading,) = [t for t in figure.findobj(Text) if t.get_text() == "by vehicle"]
+    assert not legend.overlaps(heading.get_window_extent())
+    assert legend.x1 <= figure.bbox.width
+
+
+def test_long_names_of_encounters_take_lines_and_the_picture_grows() -> None:
+    plan = crowded(2)
+    usual, ax = plot_distances(plan), plot_distances(long_names(plan_of_four(plan)))
+    usual.figure.draw_without_rendering()
+    legend = drawn_legend(ax.figure).get_window_extent()
+    assert 0.0 <= legend.x0 < legend.x1 <= ax.figure.bbox.width
+    assert legend.y0 >= 0.0
+    assert ax.figure.get_figheight() > usual.figure.get_figheight()
+    assert ax.get_window_extent().height > 0.9 * usual.get_window_extent().height
+
+
+def plan_of_four(plan: Plan) -> Plan:
+    """Twice as many vehicles, whose six pairs are all worth a line."""
+    one, other = plan.scenario.vehicles
+    more = [make_vehicle("c", [1.0, 3.0], [9.0, 6.0]), make_vehicle("d", [1.0, 6.0], [9.0, 3.0])]
+    return make_plan(replace(plan.scenario, vehicles=[one, other, *more]))
+
+
+def test_long_labels_of_a_chart_stand_below_each_other() -> None:
+    labels = [f"the planner that was the {number} one to be tried here" for number in "12"]
+    spreads = [Spread(label, [1.0, 2.0], [1, 1], [2, 2], [3, 3]) for label in labels]
+    figure = plot_chart(Chart(spreads, "", "vehicles", "seconds")).figure
+    legend = drawn_legend(figure).get_window_extent()
+    assert 0.0 <= legend.x0 < legend.x1 <= figure.bbox.width
 
 
 def test_a_legend_has_the_fewest_lines_that_fit_its_width() -> None:

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from radmpc.plotting.canvas.columns import columns_within
 from radmpc.plotting.canvas.figure import DPI
 from radmpc.plotting.canvas.style import (
     COLUMN_WIDTH,
@@ -24,6 +25,8 @@ __all__ = ["Chart", "Spread", "plot_chart"]
 
 _HEIGHT = 2.5
 """Height of a chart [in]."""
+
+_LOOKS = {"frameon": False, "handlelength": 1.6, "columnspacing": 1.2, "borderaxespad": 0.0}
 
 _SIDESTEP = 0.08
 """How far apart the methods stand at one number, so that their bars do not hide each other."""
@@ -125,17 +128,19 @@ def plot_chart(chart: Chart, ax: Axes | None = None) -> Axes:
             fontsize=LABEL_SIZE, color=MUTED,
         )  # fmt: skip
         return axes
-    axes.legend(
-        loc="upper center",
-        bbox_to_anchor=(0.5, -0.16),
-        ncols=2,
-        fontsize=TICK_SIZE,
-        frameon=False,
-        handlelength=1.6,
-        columnspacing=1.2,
-        borderaxespad=0.0,
-    )
+    _add_legend(axes)
     return axes
+
+
+def _add_legend(ax: Axes) -> None:
+    """Say below the axes which line is which, two side by side where they are short enough."""
+    handles, labels = ax.get_legend_handles_labels()
+    entries = dict(zip(labels, handles, strict=True))
+    width = float(ax.get_window_extent().width / ax.figure.dpi)
+    ax.legend(
+        handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=TICK_SIZE,
+        ncols=columns_within(entries, width, _LOOKS, most=2), **_LOOKS,
+    )  # fmt: skip
 
 
 def _draw(ax: Axes, spread: Spread, number: int, sidestep: float) -> None:

@@ -11,12 +11,14 @@ from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.figure import check_axes
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
 from radmpc.plotting.clearances import Clearance, closest_clearances
-from radmpc.plotting.risk.ledger_looks import draw_key, new_column, say_nothing, settle_part
+from radmpc.plotting.risk.ledger_looks import LINE, draw_key, new_column, say_nothing, settle_part
 
 __all__ = ["plot_distances"]
 
 _HEIGHT = 2.4
-"""Height of the figure [in]."""
+"""Height of the figure with a legend of two lines, as of six encounters with short names [in]."""
+
+_LINES, _COLUMNS = 2, 3
 
 _SIGMAS = 3.0
 """Half width of the bands [standard deviations]."""
@@ -75,7 +77,7 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     axes.set_ylabel(f"{what} [m]", fontsize=LABEL_SIZE, labelpad=1.0)
     axes.grid(axis="y", color="#E4E4E4", linewidth=0.4, zorder=0)
     if clearances:
-        draw_key(axes, 3)
+        _draw_key(axes, is_alone=ax is None)
     else:
         axes.text(
             0.5, 0.5, "nothing near", transform=axes.transAxes, ha="center", color=MUTED,
@@ -100,6 +102,14 @@ def _draw_clearance(ax: Axes, clearance: Clearance, color: str, number: int) -> 
         times, distance - _SIGMAS * clearance.sigma, distance, color=color, alpha=0.15,
         linewidth=0.0, zorder=2, gid=f"band:{clearance.name}",
     )  # fmt: skip
+
+
+def _draw_key(ax: Axes, *, is_alone: bool) -> None:
+    """Say which line is which; a figure of its own grows by the lines that long names take."""
+    more = draw_key(ax, _COLUMNS) - _LINES
+    figure = ax.get_figure(root=True)
+    if is_alone and more > 0 and figure is not None:
+        figure.set_figheight(_HEIGHT + LINE * more)
 
 
 def _settle_view(ax: Axes, plan: Plan, bands: list[tuple[np.ndarray, np.ndarray]]) -> None:

@@ -5,13 +5,16 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.transforms import ScaledTranslation
 
 from radmpc.model.plan import Plan
+from radmpc.plotting.canvas.columns import columns_within
 from radmpc.plotting.canvas.figure import DPI
 from radmpc.plotting.canvas.style import COLUMN_WIDTH, LABEL_SIZE, MUTED, TICK_SIZE
 
 __all__ = [
+    "LINE",
     "ROW",
     "draw_key",
     "has_layout",
@@ -25,6 +28,11 @@ __all__ = [
 _DROP = 0.30
 """Distance of a legend from the axes' lower edge, past ticks and label [in]."""
 
+_LOOKS = {"frameon": False, "handlelength": 1.8, "columnspacing": 1.2, "borderaxespad": 0.0}
+
+LINE = 0.12
+"""Height of a line of a legend [in]."""
+
 ROW = 0.125
 """Height of a row of the map, and of a bar [in]."""
 
@@ -36,8 +44,8 @@ def new_column(height: float) -> Figure:
     return figure
 
 
-def settle_part(ax: Axes, heading: str, xlabel: str) -> None:
-    """Set heading, label and looks that both parts share.
+def settle_part(ax: Axes, heading: str, xlabel: str) -> Text:
+    """Set heading, label and looks that both parts share; return the heading.
 
     Parameters
     ----------
@@ -48,13 +56,14 @@ def settle_part(ax: Axes, heading: str, xlabel: str) -> None:
     xlabel : str
         Below it.
     """
-    ax.set_title(heading, loc="left", fontsize=LABEL_SIZE, pad=3.0)
+    title = ax.set_title(heading, loc="left", fontsize=LABEL_SIZE, pad=3.0)
     ax.set_xlabel(xlabel, fontsize=LABEL_SIZE, labelpad=1.0)
     ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
     ax.tick_params(axis="y", length=0.0)
     for side, spine in ax.spines.items():
         spine.set_linewidth(0.5)
         spine.set_visible(side in {"left", "bottom"})
+    return title
 
 
 def say_nothing(ax: Axes, plan: Plan) -> Axes:
@@ -82,25 +91,33 @@ def has_layout(ax: Axes) -> bool:
     return figure is not None and figure.get_layout_engine() is not None
 
 
-def draw_key(ax: Axes, columns: int) -> None:
+def draw_key(ax: Axes, columns: int) -> int:
     """Say what lines and bars mean: below the axes, or within where nothing makes room there.
+
+    Returns how many lines that takes.
 
     Parameters
     ----------
     ax : Axes
         With labeled lines and bars.
     columns : int
-        Entries side by side.
+        Entries side by side, unless they are wider than the axes.
     """
     figure = ax.get_figure(root=True)
+    handles, labels = ax.get_legend_handles_labels()
     if figure is None or not has_layout(ax):
         ax.legend(fontsize=TICK_SIZE, loc="upper right", frameon=True, framealpha=0.85)
-        return
+        return len(handles)
+    entries = dict(zip(labels, handles, strict=True))
+    # Before the layout axes are a little narrower than they will be.
+    width = float(ax.get_window_extent().width / figure.dpi)
+    columns = columns_within(entries, width, _LOOKS, most=columns)
     ax.legend(
-        loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=columns, fontsize=TICK_SIZE,
+        handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), fontsize=TICK_SIZE,
         bbox_transform=ax.transAxes + ScaledTranslation(0.0, -_DROP, figure.dpi_scale_trans),
-        frameon=False, handlelength=1.8, columnspacing=1.2, borderaxespad=0.0,
+        ncols=columns, **_LOOKS,
     )  # fmt: skip
+    return -(-len(handles) // columns)
 
 
 def write_beside(ax: Axes, row: float, text: str, gid: str) -> None:

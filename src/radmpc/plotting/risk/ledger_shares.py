@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.text import Text
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.given import check_plan
 from radmpc.model.ledger import CAUSES
 from radmpc.model.plan import Cause, Plan
-from radmpc.plotting.canvas.figure import check_axes
+from radmpc.plotting.canvas.columns import columns_within
+from radmpc.plotting.canvas.figure import check_axes, settle_layout
 from radmpc.plotting.canvas.style import ALERT, OBSTACLE_FILL, PALETTE, TICK_SIZE
 from radmpc.plotting.risk.ledger_looks import (
+    LINE,
     ROW,
     new_column,
     percent,
@@ -24,7 +27,26 @@ from radmpc.plotting.risk.ledger_rows import share_rows
 __all__ = ["plot_risk_shares", "shares_height"]
 
 _FRAME = 0.60
-"""Height of heading, ticks, label and legend [in]."""
+"""Height of heading, ticks, label and a line of the legend [in]."""
+
+_ONE_LINE = 3
+"""Causes that stand beside the heading in one line, unless names are long."""
+
+_REACH = 1.12
+"""How far right the legend reaches, above the percentages: a share of the axes' width [-]."""
+
+_GAP = 0.08
+"""Width between the heading and the legend beside it [in]."""
+
+_LOOKS = {
+    "columnspacing": 0.9,
+    "frameon": False,
+    "handlelength": 1.0,
+    "handletextpad": 0.4,
+    "borderaxespad": 0.1,
+    "borderpad": 0.1,
+    "labelspacing": 0.2,
+}
 
 _COLORS: dict[Cause, str] = {
     "pair": PALETTE[0],
@@ -61,14 +83,14 @@ def plot_risk_shares(plan: Plan, ax: Axes | None = None) -> Axes:
     check_plan(plan)
     check_axes(ax, 2)
     axes = new_column(shares_height(plan)).add_subplot() if ax is None else ax
-    settle_part(axes, "by vehicle", "share of Δ [%]")
+    heading = settle_part(axes, "by vehicle", "share of Δ [%]")
     if plan.risk.certified is None:
         return say_nothing(axes, plan)
     lengths = _draw_bars(axes, *share_rows(plan))
     unused = 100.0 * (1.0 - plan.risk.certified / plan.risk.bound)
     _draw_unused(axes, unused, len(lengths))
     axes.set_xlim(0.0, 1.0001 * max(float(lengths.max()), abs(unused), 1e-9))
-    _add_legend(axes)
+    _add_legend(axes, heading)
     return axes
 
 
@@ -105,25 +127,21 @@ def _draw_unused(ax: Axes, unused: float, row: int) -> None:
 
 def shares_height(plan: Plan) -> float:
     """Return the height that the bars ask for [in]."""
-    return _FRAME + ROW * (len(share_rows(plan)[0]) + 1)
+    names, shares = share_rows(plan)
+    has_second_line = np.count_nonzero(shares.any(axis=0)) > _ONE_LINE
+    return _FRAME + ROW * (len(names) + 1) + LINE * has_second_line
 
 
-def _add_legend(ax: Axes) -> None:
-    """Say which color is which cause, above the bars."""
+def _add_legend(ax: Axes, heading: Text) -> None:
+    """Say which color is which cause, above the bars and beside the heading."""
     handles, labels = ax.get_legend_handles_labels()
-    if handles:
-        ax.legend(
-            handles,
-            labels,
-            loc="lower right",
-            bbox_to_anchor=(1.12, 0.99),
-            ncols=len(handles),
-            columnspacing=0.9,
-            fontsize=TICK_SIZE,
-            frameon=False,
-            handlelength=1.0,
-            handletextpad=0.4,
-            borderaxespad=0.1,
-            borderpad=0.1,
-            labelspacing=0.2,
-        )
+    if not handles:
+        return
+    settle_layout(ax)  # names take their width from the axes
+    pixels = _REACH * ax.get_window_extent().width - heading.get_window_extent().width
+    room = pixels / ax.figure.dpi - _GAP
+    entries = dict(zip(labels, handles, strict=True))
+    ax.legend(
+        handles, labels, loc="lower right", bbox_to_anchor=(_REACH, 0.99), fontsize=TICK_SIZE,
+        ncols=columns_within(entries, room, _LOOKS), **_LOOKS,
+    )  # fmt: skip
