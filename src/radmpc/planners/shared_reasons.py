@@ -7,7 +7,15 @@ from collections.abc import Sequence
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard
 from radmpc.planners.endpoints.ranges import LostRange
-from radmpc.planners.wording import endpoints_text, is_contact, listed, lost_range_text, rounded
+from radmpc.planners.endpoints.strays import stray_of
+from radmpc.planners.wording import (
+    endpoints_text,
+    is_contact,
+    listed,
+    lost_range_text,
+    rounded,
+    stray_text,
+)
 
 __all__ = ["ROUNDING", "endpoint_sentences", "range_sentences"]
 
@@ -86,6 +94,8 @@ def _is_akin(scenario: Scenario, group: Sequence[EndpointHazard], hazard: Endpoi
         return False
     if is_contact(scenario, first) != is_contact(scenario, hazard):
         return False
+    if (stray_of(scenario, first) is None) != (stray_of(scenario, hazard) is None):
+        return False
     if hazard.cause != "pair":
         return True
     return any(set(one.members) & set(hazard.members) for one in group)
@@ -119,6 +129,10 @@ def _shared_text(
         if first.cause == "workspace":
             return f"{head} lie outside the workspace."
         return f"{head} lie within {what} grown by the vehicles' radii ({risks})."
+    strays = [stray for stray in (stray_of(scenario, hazard) for hazard in group) if stray]
+    if strays:
+        names = [repr(scenario.vehicles[i].name) for i in members]
+        return stray_text(scenario, names, strays, at_goal=first.at_goal)
     nearest = min(hazard.distance for hazard in group)
     where = "even their best points are" if first.at_goal else "they are"
     aside = ", radii not counted," if what else ""

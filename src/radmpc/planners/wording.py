@@ -9,6 +9,7 @@ from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard
 from radmpc.planners.endpoints.ranges import LostRange
+from radmpc.planners.endpoints.strays import Stray, stray_of
 from radmpc.program.program import RiskItem
 from radmpc.solvers.solution import Limits
 
@@ -16,14 +17,19 @@ __all__ = [
     "endpoints_text",
     "hazard_name",
     "is_contact",
+    "least_text",
     "limit_clause",
     "listed",
     "lost_range_text",
     "rounded",
+    "stray_text",
 ]
 
 _NAMED = 3
 """Names or hazards that a sentence lists at most [-]; it says how many others there are."""
+
+_ROUNDING = 1e-6
+"""By how much a probability may exceed 1 [-]: the error of the integrals."""
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:
@@ -50,18 +56,32 @@ def limit_clause(limits: Limits) -> str:
 
 
 def rounded(risk: float, bound: float) -> str:
-    """Return a risk in as many digits, two at least, as tell it from a bound.
+    """Return a risk in as many digits, two at least, as tell it from a bound; 1 at most.
 
     Parameters
     ----------
     risk, bound : float
         Probabilities [-].
     """
+    if risk > 1.0 + _ROUNDING:
+        # A sum of bounds on probabilities.
+        return "1 or more"
     for digits in range(2, 17):
         text = f"{risk:.{digits}g}"
         if (float(text) > bound) == (risk > bound) and float(text) != bound:
             break
     return text
+
+
+def least_text(risk: float) -> str:
+    """Return what is risked at least in two digits; 1 at most.
+
+    Parameters
+    ----------
+    risk : float
+        A sum of bounds on probabilities [-].
+    """
+    return "1 or more" if risk > 1.0 + _ROUNDING else f"{risk:.2g}"
 
 
 def is_contact(scenario: Scenario, hazard: EndpointHazard) -> bool:
@@ -99,7 +119,7 @@ def endpoints_text(scenario: Scenario, hazards: Sequence[EndpointHazard], risk: 
     if len(hazards) == 1:
         return _one(scenario, hazards[0], rounded(risk, scenario.risk_bound), bound)
     number = rounded(risk, scenario.risk_bound)
-    parts = [f"{_what(scenario, d)} ({d.risk:.2g})" for d in hazards[:_NAMED]]
+    parts = [f"{_what(scenario, d)} ({least_text(d.risk)})" for d in hazards[:_NAMED]]
     hidden = len(hazards) - len(parts)
     more = f"; and {hidden} more" if hidden > 0 else ""
     return (
@@ -131,6 +151,9 @@ def _one(scenario: Scenario, hazard: EndpointHazard, number: str, bound: str) ->
     if hazard.cause == "workspace":
         if hazard.distance < 0.0:
             return f"The {place} of vehicle {names[0]} lies outside the workspace."
+        stray = stray_of(scenario, hazard)
+        if stray is not None:
+            return stray_text(scenario, names, [stray], at_goal=hazard.at_goal)
         where = f"{best} {hazard.distance:.3g} m from the border"
         head = f"The {place} of vehicle {names[0]} is too close to the workspace border"
     else:
@@ -155,6 +178,49 @@ def _pair(scenario: Scenario, hazard: EndpointHazard, names: Sequence[str], risk
     if is_contact(scenario, hazard):
         return f"{head}: they overlap, {apart} where {need} are needed ({risk})."
     return f"{head}: they are {apart}, contact is at {need}, and that alone runs {risk}."
+
+
+def stray_text(
+    scenario: Scenario, names: Sequence[str], strays: Sequence[Stray], *, at_goal: bool
+) -> str:
+    """Say that vehicles stray too far for the workspace, wherever their starts or goals are.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    names : sequence of str
+        The vehicles, one or more.
+    strays : sequence of Stray
+        How far each of them strays.
+    at_goal : bool
+        At their goals rather than at their starts.
+
+    Returns
+    -------
+    str
+        A sentence.
+    """
+    place, bound = "goal" if at_goal else "start", scenario.risk_bound
+    least = min(strays, key=lambda stray: stray.deviation)
+    risk = rounded(min(stray.risk for stray in strays), bound)
+    causes = {
+        "open loop": "; without feedback that grows with every step",
+        "feedback": "; under this feedback that grows with every step",
+    }
+    why = causes.get(least.grows or "", "") if len({one.grows for one in strays}) == 1 else ""
+    if len(strays) == 1:
+        head = f"Vehicle {names[0]} strays too far for the workspace: its standard deviation"
+        where = f"at its {place} is {least.deviation:.3g} m"
+        who = "it"
+    else:
+        head = f"Vehicles {listed(names)} stray too far for the workspace: standard deviations"
+        where = f"at their {place}s are {least.deviation:.3g} m or more"
+        who = "each"
+    return (
+        f"{head} {where}, and even in the middle {who} would run a risk of {risk} to leave it, "
+        f"above risk_bound {bound:g}{why}."
+    )
 
 
 def hazard_name(risk_item: RiskItem) -> str:

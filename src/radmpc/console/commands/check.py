@@ -131,6 +131,8 @@ def _risk(risk: float | None) -> str:
     """Return a probability in two digits."""
     if risk is None:
         return "?"
+    if risk > 1.0:
+        return ">= 1"  # a sum of bounds
     return f"{risk:.2g}" if risk >= 1e-12 else "-"
 
 
