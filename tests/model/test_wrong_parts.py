@@ -59,6 +59,10 @@ SCENARIOS: dict[str, tuple[Call, str]] = {
         lambda: double_integrator(1.0, 2.5),
         r"^dimension: must be an integer, got 2.5",
     ),
+    "feedback that costs nothing": (
+        lambda: lqr_gain(double_integrator(1.0, 2), np.eye(4), 0.0 * np.eye(2)),
+        r"^R: must be positive definite, got an eigenvalue of 0$",
+    ),
     "weights of another size": (lambda: lqr_gain(SYSTEM, np.eye(3), np.eye(2)), r"^Q: must have"),
     "weights as text": (
         lambda: lqr_gain(SYSTEM, "one", np.eye(2)),

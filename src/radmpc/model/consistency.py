@@ -205,7 +205,7 @@ def check_printable(name: str, path: tuple[str | int, ...]) -> None:
 
 
 def check_distinct(names: list[str], field: str) -> None:
-    """Refuse names that are empty, unprintable or stand twice.
+    """Refuse names that are empty, blank, unprintable or stand twice.
 
     Parameters
     ----------
@@ -224,6 +224,8 @@ def check_distinct(names: list[str], field: str) -> None:
         if not name:
             raise ScenarioError("must not be empty", (field, i, "name"))
         check_printable(name, (field, i, "name"))
+        if not name.strip():
+            raise ScenarioError(f"must not be blank, got {name!r}", (field, i, "name"))
         if name in seen:
             raise ScenarioError(f"must be unique, got {name!r} twice", (field, i, "name"))
         seen.add(name)

@@ -12,6 +12,7 @@ from radmpc.arguments import check_kind, field_integer, field_number, field_part
 from radmpc.arrays import Frozen, Matrix, Tensor, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.integrator import integrator_rates
+from radmpc.model.numbers import positive_definite
 from radmpc.records import dataclass, field
 
 __all__ = ["LinearSystem", "covariances", "double_integrator", "growth", "lqr_gain", "rollout"]
@@ -177,11 +178,11 @@ def lqr_gain(system: LinearSystem, Q: npt.ArrayLike, R: npt.ArrayLike) -> Matrix
     Raises
     ------
     ScenarioError
-        If Q or R has the wrong shape, or no stabilizing gain exists.
+        If Q or R has the wrong shape, R is not positive definite, or no stabilizing gain exists.
     """
     check_kind(system, LinearSystem, "system", "a LinearSystem")
     state_weight = as_matrix(Q, (system.num_states, system.num_states), ("Q",))
-    control_weight = as_matrix(R, (system.num_controls, system.num_controls), ("R",))
+    control_weight = positive_definite(R, system.num_controls, ("R",))
     from scipy.linalg import solve_discrete_are  # noqa: PLC0415 - loads slowly
 
     try:
@@ -192,8 +193,7 @@ def lqr_gain(system: LinearSystem, Q: npt.ArrayLike, R: npt.ArrayLike) -> Matrix
             gain = -np.linalg.solve(control_weight + system.B.T @ PB, PB.T @ system.A)
     except (np.linalg.LinAlgError, ValueError) as error:
         raise ScenarioError(
-            "no stabilizing gain exists for these dynamics and weights; "
-            "Q must be positive semi-definite, R positive definite"
+            "no stabilizing gain for these dynamics and weights; Q must be positive semi-definite"
         ) from error
     return as_matrix(gain)
 

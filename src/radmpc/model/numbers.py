@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arguments import field_integer, field_number, field_parts, value_text
-from radmpc.arrays import Vector, as_axes
+from radmpc.arrays import Matrix, Vector, as_axes, as_matrix
 from radmpc.errors import ScenarioError, all_checked, raise_together
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "check_speedless",
     "check_vehicle_numbers",
     "consistent_limits",
+    "positive_definite",
     "step_window",
 ]
 
@@ -249,3 +250,28 @@ def check_speedless(**limits: object) -> None:
     for name, limit in limits.items():
         if limit is not None:
             raise ScenarioError("a speed needs dynamics whose velocity indices are given", (name,))
+
+
+def positive_definite(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Matrix:
+    """Return the weight of what must cost something in every direction.
+
+    Parameters
+    ----------
+    value : (size, size) array_like
+        What was given.
+    size : int
+        Number of rows.
+    path : tuple of str or int
+        Where it stands, for the message.
+
+    Raises
+    ------
+    ScenarioError
+        If it has another shape, or is not positive definite.
+    """
+    matrix = as_matrix(value, (size, size), path)
+    lowest = float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0])
+    if lowest <= 0.0:
+        text = f"must be positive definite, got an eigenvalue of {lowest + 0.0:.6g}"
+        raise ScenarioError(text, path)
+    return matrix
