@@ -72,9 +72,13 @@ def drawn_legend(figure: Figure) -> Legend:
 def test_a_legend_with_every_sign_stays_within_the_picture(dimension: int) -> None:
     figure = plot_plan(crowded(dimension)).figure
     legend = drawn_legend(figure)
-    assert {"visit", "range, widest", "for some only", "when nearest", "dashed: same set"} <= {
-        text.get_text() for text in legend.get_texts()
-    }
+    assert {
+        "visit, no. ①",
+        "range, widest",
+        "for some only",
+        "when nearest",
+        "dashed: same set",
+    } <= {text.get_text() for text in legend.get_texts()}
     box = legend.get_window_extent()
     assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width
     assert box.y0 >= 0.0

@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from radmpc import Goal, Visit, plot_scenario
+from radmpc import Goal, Scenario, Visit, plot_scenario
 from radmpc.console.reports.visiting import arrivals_text, visits_text
 from radmpc.experiments.families import paper
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
+from radmpc.plotting import animate_plan, plot_plan
+
+from .conftest import HORIZON, make_plan, make_vehicle
 
 
 def test_boxes_to_be_visited_are_drawn_and_within_the_picture() -> None:
@@ -20,6 +23,57 @@ def test_boxes_to_be_visited_are_drawn_and_within_the_picture() -> None:
     assert boxes[f"visit 2:{visiting.name}"].get_bbox().bounds == (58.5, 68.5, 3.0, 3.0)
     assert axes.get_xlim()[1] > 61.5
     assert axes.get_ylim()[1] > 71.5
+
+
+def touring() -> Scenario:
+    """A vehicle that visits two boxes beside its way, and one that visits none."""
+    via = (Visit.at([3.0, 4.0], 0.5), Visit.at([6.0, 7.0], 0.5))
+    visiting = replace(make_vehicle("a", [1.0, 1.0], [9.0, 9.0]), via=via)
+    fleet = [visiting, make_vehicle("b", [1.0, 9.0], [9.0, 2.0])]
+    return Scenario("tour", 1.0, HORIZON, 0.05, fleet)
+
+
+def test_numbers_of_visits_are_framed_and_those_of_steps_are_not() -> None:
+    scenario = touring()
+    name = scenario.vehicles[0].name
+    numbers = {}
+    for ax in (plot_scenario(scenario), plot_plan(make_plan(scenario))):
+        numbers = {t.get_gid(): t for t in ax.texts if t.get_gid()}
+        for j in (1, 2):
+            number = numbers[f"visit-number:{name}:{j}"]
+            assert number.get_text() == str(j)
+            assert number.get_bbox_patch() is not None
+    steps = [text for gid, text in numbers.items() if gid.startswith("step:")]
+    assert steps
+    assert all(text.get_bbox_patch() is None for text in steps)
+
+
+def test_numbers_of_visits_stand_beside_their_boxes_and_on_no_other_text() -> None:
+    ax = plot_plan(make_plan(touring()))
+    ax.figure.draw_without_rendering()
+    numbers = [t for t in ax.texts if str(t.get_gid()).startswith("visit-number:")]
+    others = [t for t in ax.texts if t.get_gid() and t not in numbers]
+    boxes = [p for p in ax.patches if str(p.get_gid()).startswith("visit ")]
+    assert len(numbers) == len(boxes) == 2
+    for number, box in zip(numbers, boxes, strict=True):
+        place = number.get_bbox_patch().get_window_extent()
+        assert not place.overlaps(box.get_window_extent().shrunk(0.5, 0.5))
+        assert not any(place.overlaps(text.get_window_extent()) for text in others)
+
+
+def test_the_legend_draws_a_visit_with_the_dashes_of_its_box() -> None:
+    plan = make_plan(touring())
+    film = animate_plan(plan, frames_per_step=1)
+    film._draw_was_started = True
+    for ax in (plot_plan(plan), film._fig.axes[0]):
+        [box] = [p for p in ax.patches if str(p.get_gid()).startswith("visit 1:")]
+        legend = ax.get_legend()
+        told = [text.get_text() for text in legend.get_texts()]
+        sign = legend.legend_handles[told.index("visit, no. ①")]
+        # Signs in a legend take over how dashes are drawn, not what they are called.
+        assert sign._dash_pattern == box._dash_pattern
+        assert sign._dash_pattern[1] is not None
+        assert sign.get_facecolor()[3] == 0.0
 
 
 def test_the_report_tells_when_visits_are_made_and_which_are_not() -> None:

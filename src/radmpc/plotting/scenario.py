@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from radmpc.arrays import Matrix
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
-from radmpc.plotting.artists.flat import Color, draw_ends, draw_workspace
+from radmpc.plotting.artists.flat import Color, draw_ends, draw_workspace, number_visits
 from radmpc.plotting.artists.obstacles import draw_obstacle, name_obstacle
 from radmpc.plotting.artists.relations import draw_ranges
 from radmpc.plotting.artists.space import (
@@ -150,6 +150,9 @@ def draw_surroundings(
         draw_ends(ax, vehicle, colors[vehicle.name], plane)
         start, goal = vehicle.start_position[seen], vehicle.goal.center[seen]
         board.avoid(_ring(start, vehicle.radius), _ring(goal, 0.5 * vehicle.radius))
+    if scenario.num_vehicles <= most_named(scenario, board):
+        for vehicle in scenario.vehicles:
+            number_visits(vehicle, colors[vehicle.name], board, plane)
     for obstacle in obstacles:
         draw_obstacle(ax, obstacle, board, plane=plane, strength=pale[obstacle.name])
         draw_spread(ax, obstacle, plane)

@@ -24,9 +24,20 @@ from radmpc.plotting.curves import (
     positions,
 )
 
-__all__ = ["Color", "draw_ends", "draw_trajectory", "draw_workspace", "number_steps"]
+__all__ = [
+    "VISIT_DASHES",
+    "Color",
+    "draw_ends",
+    "draw_trajectory",
+    "draw_workspace",
+    "number_steps",
+    "number_visits",
+]
 
 Color = tuple[float, float, float]
+
+VISIT_DASHES = (0, (2, 1.2))
+"""Line style of boxes that are visited."""
 
 
 def draw_workspace(ax: Axes, workspace: Workspace, board: LabelBoard, plane: Plane = ABOVE) -> None:
@@ -117,7 +128,7 @@ def draw_ends(ax: Axes, vehicle: Vehicle, color: Color, plane: Plane = ABOVE) ->
 
 
 def _draw_visit(ax: Axes, lower: Vector, upper: Vector, color: Color, name: str) -> None:
-    """Draw a box that is visited, its place in the order beside it."""
+    """Draw a box that is visited."""
     width, height = (upper - lower).tolist()
     ax.add_patch(
         Rectangle(
@@ -127,20 +138,34 @@ def _draw_visit(ax: Axes, lower: Vector, upper: Vector, color: Color, name: str)
             facecolor="none",
             edgecolor=color,
             linewidth=0.8,
-            linestyle=(0, (2, 1.2)),
+            linestyle=VISIT_DASHES,
             zorder=6,
             gid=name,
         )
     )
-    ax.annotate(
-        name.partition(":")[0].removeprefix("visit "),
-        (float(upper[0]), float(upper[1])),
-        xytext=(1.0, 1.0),
-        textcoords="offset points",
-        fontsize=NUMBER_SIZE,
-        color=color,
-        zorder=7,
-    )
+
+
+def number_visits(vehicle: Vehicle, color: Color, board: LabelBoard, plane: Plane = ABOVE) -> None:
+    """Write the places of visits in their order beside their boxes, framed unlike steps' numbers.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Whose visits.
+    color : (float, float, float)
+        Of the numbers.
+    board : LabelBoard
+        Where other texts stand.
+    plane : (int, int)
+        The two coordinates that are drawn.
+    """
+    seen = list(plane)
+    for j, visit in enumerate(vehicle.via, start=1):
+        half = 0.5 * (visit.upper - visit.lower)[seen]
+        board.beside(
+            str(j), visit.center[seen], half, color, size=NUMBER_SIZE,
+            gid=f"visit-number:{vehicle.name}:{j}", is_framed=True,
+        )  # fmt: skip
 
 
 def draw_trajectory(

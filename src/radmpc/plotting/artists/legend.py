@@ -17,6 +17,7 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.plotting.artists.flat import VISIT_DASHES
 from radmpc.plotting.artists.ghosts import nearest_ghosts
 from radmpc.plotting.artists.highlights import worst_rows
 from radmpc.plotting.artists.relations import FOR_SOME, RANGE_DASHES
@@ -148,6 +149,7 @@ def _film_entries(plan: Plan) -> dict[str, Handle]:
             linestyle=(0, (3, 1.5)),
         )  # fmt: skip
     entries["goal"] = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
+    entries |= _surroundings(plan.scenario, is_flat=plan.scenario.dimension == 2)
     return entries | _relations(plan.scenario, "range")
 
 
@@ -192,12 +194,7 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
             entries["3σ"] = _sign("o", 7.0, "none", "#55555580", 0.4)
     star = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
     entries["goal"] = (_sign("s", 6.0, "#55555540", MUTED, 0.7), star) if is_flat else star
-    if any(obstacle.spread is not None for obstacle in plan.scenario.obstacles):
-        entries["obstacle's 3σ"] = Line2D(
-            [], [], color=MUTED, linewidth=0.6, linestyle=SPREAD_DASHES
-        )
-    if any(vehicle.via for vehicle in plan.scenario.vehicles):
-        entries["visit"] = _sign("s" if is_flat else "D", 6.0, "none", MUTED, 0.8)
+    entries |= _surroundings(plan.scenario, is_flat=is_flat)
     entries |= _relations(plan.scenario, "range, widest" if plan.trajectories else "range")
     if nearest_ghosts(plan):
         entries["when nearest"] = (
@@ -206,6 +203,23 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
         )
     if worst_rows(plan):
         entries["most risk"] = _sign("o", 6.5, "none", ALERT, 1.0)
+    return entries
+
+
+def _surroundings(scenario: Scenario, *, is_flat: bool) -> dict[str, Handle]:
+    """Return the signs of places of obstacles that are uncertain, and of visits."""
+    entries: dict[str, Handle] = {}
+    if any(obstacle.spread is not None for obstacle in scenario.obstacles):
+        entries["obstacle's 3σ"] = Line2D(
+            [], [], color=MUTED, linewidth=0.6, linestyle=SPREAD_DASHES
+        )
+    if any(vehicle.via for vehicle in scenario.vehicles):
+        if is_flat:
+            entries["visit, no. ①"] = Patch(
+                facecolor="none", edgecolor=MUTED, linewidth=0.8, linestyle=VISIT_DASHES
+            )
+        else:
+            entries["visit"] = _sign("D", 5.0, "none", MUTED, 0.8)
     return entries
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 import shapely
@@ -24,6 +25,10 @@ _DIRECTIONS = [
 ]  # fmt: skip
 _SHARES = [(x, y) for x in (0.0, -0.5, 0.5, -1.0, 1.0) for y in (0.0, -0.5, 0.5, -1.0, 1.0)]
 """Places in a box that are tried, in shares of what is left around a text there [-]."""
+_FRAME: dict[str, Any] = {
+    "boxstyle": "round,pad=0.22,rounding_size=0.6", "facecolor": "white", "linewidth": 0.4,
+}  # fmt: skip
+"""Looks of a frame around a text; its box style in units of the font size [-]."""
 _ROUNDING = 1e-9
 """By how much a text may reach out of what it lies in [m]."""
 
@@ -126,6 +131,7 @@ class LabelBoard:
         *,
         size: float = LABEL_SIZE,
         gid: str | None = None,
+        is_framed: bool = False,
     ) -> None:
         """Write a text next to a thing.
 
@@ -143,10 +149,12 @@ class LabelBoard:
             Of the font [pt].
         gid : str or None
             Id of the text; None for ``label:`` and the text.
+        is_framed : bool
+            Whether the text stands in a frame with round corners.
         """
-        half_text = 0.5 * self.size(text, size)
+        half_text = 0.5 * self.size(f"{text} " if is_framed else text, size)
         place = best_place(center, half_size, half_text, self.points, self.boxes, self._frame)
-        self.put(text, place, color, size=size, gid=gid)
+        self.put(text, place, color, size=size, gid=gid, is_framed=is_framed)
 
     @property
     def _frame(self) -> Vector:
@@ -163,6 +171,7 @@ class LabelBoard:
         rotation: float = 0.0,
         size: float = LABEL_SIZE,
         gid: str | None = None,
+        is_framed: bool = False,
     ) -> None:
         """Write a text at a place, whatever is there.
 
@@ -180,8 +189,11 @@ class LabelBoard:
             Font size [pt].
         gid : str or None
             Name of the artist, for tests and SVG.
+        is_framed : bool
+            As in `beside`; the frame takes a letter more.
         """
-        half = 0.5 * self.size(text, size)
+        half = 0.5 * self.size(f"{text} " if is_framed else text, size)
+        frame = _FRAME | {"edgecolor": to_rgba(color)} if is_framed else None  # type: ignore[arg-type] # any color matplotlib knows
         if rotation:
             half = half[::-1]
         self.boxes.append(np.concatenate([center - half, center + half]))
@@ -197,6 +209,7 @@ class LabelBoard:
             zorder=10,
             clip_on=True,
             gid=gid or f"label:{text}",
+            bbox=frame,
             path_effects=[withStroke(linewidth=1.4, foreground="white")],
         )
 
