@@ -51,6 +51,8 @@ CASES = {
     "drift": (Truth(drift=(0.02, 0.0, -0.01, 0.0)), "commands"),
     "memory": (Truth(color=0.7), "commands"),
     "feedback": (Truth(), "references"),
+    "weak feedback": (Truth(steps=100, feedback=(-0.09, -0.27)), "references"),
+    "hardly any feedback": (Truth(steps=100, feedback=(-0.03, -0.09)), "references"),
     "feedback and memory": (Truth(color=0.7, steps=1000), "references"),
     "shared": (Truth(vehicles=2, share=0.4), "commands"),
     "measured": (Truth(seen=(0.05, 0.05, 0.01, 0.01)), "commands"),

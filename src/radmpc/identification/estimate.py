@@ -13,6 +13,7 @@ from radmpc.identification.measurement import by_another_sensor, by_spectrum
 from radmpc.identification.model import StepModel
 from radmpc.identification.regression import Fit, fit
 from radmpc.identification.segments import Evidence, Segment, Transitions, stacked
+from radmpc.identification.small_sample import without_bias
 from radmpc.identification.tails import Tails, tails
 from radmpc.identification.whiteness import Autocorrelation, autocorrelation, whitened
 from radmpc.records import dataclass, replace
@@ -109,6 +110,8 @@ def estimate(
     can_color = evidence == "commands" or (evidence == "references" and model.has_velocity)
     if can_color and first.first_score > SURE and first.first > _LEAST_COLOR:
         found = fit(y, h, follows, model.B, has_color=True)
+    elif evidence == "references":
+        found = without_bias(found, h, follows, model)
     measured = _measured(found, all_segments, model, first) if evidence == "commands" else None
     kind = None if evidence == "states" else tails(whitened(found.innovations))
     more = (len(group) - 1) * max(share, 0.0)
