@@ -82,6 +82,12 @@ def test_intervals_contain_the_truth_as_often_as_they_say(name: str) -> None:
 
 
 @pytest.mark.slow
+def test_drift_is_as_sure_as_it_says_in_noise_that_outlasts_a_short_log() -> None:
+    truth = Truth(steps=100, color=0.95)
+    assert shares(truth, "commands")["drift"] >= 0.93
+
+
+@pytest.mark.slow
 def test_intervals_are_not_so_wide_that_anything_is_in_them() -> None:
     truth = replace(Truth(), scale=1.25)
     misses = [

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import chdtrc
+from scipy.special import chdtrc, ndtri, stdtrit
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.identification.intervals import Interval, covariance_interval, normal_interval
+from radmpc.identification.intervals import LEVEL, Interval, covariance_interval, normal_interval
 from radmpc.identification.measurement import by_another_sensor, by_spectrum
 from radmpc.identification.model import StepModel
 from radmpc.identification.regression import Fit, fit
@@ -23,6 +23,9 @@ __all__ = ["Estimate", "estimate"]
 SURE = 2.58
 """Standard deviations [-] beyond which color, drift and the like are taken for real: 1 % by
 chance."""
+
+_UPPER = 0.5 + 0.5 * LEVEL
+"""Probability [-] of less than the upper end of an interval."""
 
 _LEAST_COLOR = 0.05
 """Autocorrelation [-] from step to step below which noise counts as white, however sure it is:
@@ -189,8 +192,11 @@ def _worth(covariance: Interval) -> float:
 def _drift(found: Fit, y: Matrix, model: StepModel, evidence: Evidence) -> tuple[Interval, bool]:
     """Return what every step adds, and whether that is beyond chance."""
     if evidence != "states":
-        drift = normal_interval(found.drift, found.drift_deviation)
-        scores = np.abs(found.drift) / np.maximum(found.drift_deviation, 1e-300)
+        # A mean is as sure as the deviation around it: noise with memory has few independent steps.
+        free = max(len(found.noise) * (1.0 - found.color) / (1.0 + found.color), 1.0)
+        sure = found.drift_deviation * float(stdtrit(free, _UPPER) / ndtri(_UPPER))
+        drift = normal_interval(found.drift, sure)
+        scores = np.abs(found.drift) / np.maximum(sure, 1e-300)
         # As many chances as states to look large.
         return drift, bool(np.any(scores > SURE + 0.25 * np.log2(model.num_states)))
     value = np.full(model.num_states, np.nan)
