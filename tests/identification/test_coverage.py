@@ -88,6 +88,17 @@ def test_drift_is_as_sure_as_it_says_in_noise_that_outlasts_a_short_log() -> Non
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("freedom", [3.5, 5.0])
+def test_variances_of_noise_with_heavy_tails_are_as_sure_as_they_say(freedom: float) -> None:
+    truth = Truth(steps=300, freedom=freedom)
+    hits = []
+    for seed in range(TRIALS):
+        found = identify(fly(truth, seed), dt=truth.dt).pooled.covariance
+        hits.append(np.diag((found.low <= truth.spread) & (truth.spread <= found.high)))
+    assert np.mean(hits) >= 0.93
+
+
+@pytest.mark.slow
 def test_intervals_are_not_so_wide_that_anything_is_in_them() -> None:
     truth = replace(Truth(), scale=1.25)
     misses = [

@@ -5,16 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import chdtrc, ndtri, stdtrit
+from scipy.special import chdtrc, stdtrit
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.identification.intervals import LEVEL, Interval, covariance_interval, normal_interval
+from radmpc.identification.intervals import (
+    LEVEL,
+    SIGMAS,
+    Interval,
+    covariance_interval,
+    normal_interval,
+    widened,
+)
 from radmpc.identification.measurement import by_another_sensor, by_spectrum
 from radmpc.identification.model import StepModel
 from radmpc.identification.regression import Fit, fit
 from radmpc.identification.segments import Evidence, Segment, Transitions, stacked
 from radmpc.identification.small_sample import without_bias
-from radmpc.identification.tails import Tails, tails
+from radmpc.identification.tails import Tails, tails, variance_ratios
 from radmpc.identification.whiteness import Autocorrelation, autocorrelation, whitened
 from radmpc.records import dataclass, replace
 
@@ -23,9 +30,6 @@ __all__ = ["Estimate", "estimate"]
 SURE = 2.58
 """Standard deviations [-] beyond which color, drift and the like are taken for real: 1 % by
 chance."""
-
-_UPPER = 0.5 + 0.5 * LEVEL
-"""Probability [-] of less than the upper end of an interval."""
 
 _LEAST_COLOR = 0.05
 """Autocorrelation [-] from step to step below which noise counts as white, however sure it is:
@@ -177,9 +181,14 @@ def _spread(
     covariance = found.noise.T @ found.noise / free
     excess = 0.0 if kind is None or kind.is_gaussian else max(kind.excess_kurtosis, 0.0)
     # Fourth moments: squares of a variable with excess kurtosis k vary by (2 + k) instead of 2.
-    worth = free * (1.0 - color**2) / (1.0 + color**2) / (1.0 + 0.5 * excess)
-    worth = max(worth / alike, 1.0)
-    return covariance_interval(covariance, worth), worth
+    independent = max(free * (1.0 - color**2) / (1.0 + color**2) / alike, 1.0)
+    worth = max(independent / (1.0 + 0.5 * excess), 1.0)
+    if kind is None or not kind.are_heavy:
+        return covariance_interval(covariance, worth), worth
+    # Logs seldom hold the largest deviations, so that their kurtosis is too small.
+    least, most = variance_ratios(kind.freedom_low, independent)
+    worth = max(min(worth, 2.0 * (SIGMAS / (1.0 - least)) ** 2), 1.0)
+    return widened(covariance_interval(covariance, worth), least, most), worth
 
 
 def _worth(covariance: Interval) -> float:
@@ -194,7 +203,7 @@ def _drift(found: Fit, y: Matrix, model: StepModel, evidence: Evidence) -> tuple
     if evidence != "states":
         # A mean is as sure as the deviation around it: noise with memory has few independent steps.
         free = max(len(found.noise) * (1.0 - found.color) / (1.0 + found.color), 1.0)
-        sure = found.drift_deviation * float(stdtrit(free, _UPPER) / ndtri(_UPPER))
+        sure = found.drift_deviation * float(stdtrit(free, 0.5 + 0.5 * LEVEL)) / SIGMAS
         drift = normal_interval(found.drift, sure)
         scores = np.abs(found.drift) / np.maximum(sure, 1e-300)
         # As many chances as states to look large.

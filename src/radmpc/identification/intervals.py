@@ -9,12 +9,12 @@ from scipy.special import chdtri, ndtri
 from radmpc.arrays import Frozen, Matrix, Vector, frozen
 from radmpc.records import dataclass
 
-__all__ = ["LEVEL", "Interval", "covariance_interval", "normal_interval"]
+__all__ = ["LEVEL", "SIGMAS", "Interval", "covariance_interval", "normal_interval", "widened"]
 
 LEVEL = 0.95
 """Confidence of every interval [-]."""
 
-_SIGMAS = float(ndtri(0.5 + 0.5 * LEVEL))
+SIGMAS = float(ndtri(0.5 + 0.5 * LEVEL))
 """Half of an interval's width in standard deviations of a normal estimate [-]."""
 
 
@@ -54,7 +54,7 @@ def normal_interval(value: npt.ArrayLike, deviation: npt.ArrayLike) -> Interval:
     deviation : array
         Their standard deviations.
     """
-    middle, width = np.asarray(value, dtype=float), _SIGMAS * np.asarray(deviation, dtype=float)
+    middle, width = np.asarray(value, dtype=float), SIGMAS * np.asarray(deviation, dtype=float)
     return Interval(middle, middle - width, middle + width)
 
 
@@ -76,3 +76,20 @@ def covariance_interval(covariance: Matrix, steps: float) -> Interval:
     np.fill_diagonal(low, variances * steps / chdtri(steps, tail))
     np.fill_diagonal(high, variances * steps / chdtri(steps, 1.0 - tail))
     return Interval(covariance, low, high)
+
+
+def widened(covariance: Interval, least: float, most: float) -> Interval:
+    """Return the interval of a covariance whose variances scatter by more than chi-square.
+
+    Parameters
+    ----------
+    covariance : Interval
+        As by chi-square, (n, n).
+    least, most : float
+        Ends of the ratios of observed to true variances.
+    """
+    low, high = np.array(covariance.low), np.array(covariance.high)
+    variances: Vector = np.diag(covariance.value)
+    np.fill_diagonal(low, np.minimum(np.diag(low), variances / most))
+    np.fill_diagonal(high, np.maximum(np.diag(high), variances / least))
+    return Interval(covariance.value, low, high)
