@@ -111,6 +111,24 @@ def test_a_second_sensor_tells_the_noise_of_the_first() -> None:
     assert np.all(holds(pooled.measurement, np.diag([0.04, 0.04, 0.0, 0.0]))[:2, :2])
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_no_variance_is_negative_where_a_second_sensor_hides_the_disturbance(seed: int) -> None:
+    truth = Truth(steps=300, scale=0.05)
+    [track] = fly(truth, seed)
+    rng = np.random.default_rng(seed)
+    shape = track.positions.shape
+    seen = track.positions + 0.2 * rng.standard_normal(shape)
+    other = track.positions + 0.5 * rng.standard_normal(shape)
+    found = identify([track.changed({"positions": seen, "second_positions": other})])
+    disturbance = found.pooled.covariance
+    assert np.linalg.eigvalsh(disturbance.value)[0] > -1e-15
+    assert np.all(np.diag(disturbance.low) >= 0.0)
+    assert np.all(disturbance.low <= disturbance.value)
+    assert np.all(disturbance.value <= disturbance.high)
+    assert np.all(holds(disturbance, truth.spread))
+    assert any(sentence.startswith("disturbance of ") for sentence in found.unknown)
+
+
 @pytest.mark.parametrize(("color", "most"), [(0.0, 0.08), (0.6, 0.12)])
 def test_the_part_that_vehicles_share_is_found(color: float, most: float) -> None:
     truth = Truth(vehicles=3, share=0.4, color=color, steps=1200)

@@ -16,7 +16,7 @@ from radmpc.identification.intervals import (
     normal_interval,
     widened,
 )
-from radmpc.identification.measurement import by_another_sensor, by_spectrum
+from radmpc.identification.measurement import by_another_sensor, by_spectrum, not_negative
 from radmpc.identification.model import StepModel
 from radmpc.identification.regression import Fit, fit
 from radmpc.identification.segments import Evidence, Segment, Transitions, stacked
@@ -296,4 +296,4 @@ def _by_two(found: Fit, offsets: Matrix, model: StepModel) -> tuple[Interval, In
     own = covariance_interval(total, float(steps))
     # Both parts are uncertain; they hang together little where W is not small beside R.
     deviation = np.hypot(0.5 * (own.high - own.low), width + model.A @ width @ model.A.T)
-    return Interval(W, W - deviation, W + deviation), Interval(value, value - width, value + width)
+    return not_negative(W, deviation), Interval(value, value - width, value + width)

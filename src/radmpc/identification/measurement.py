@@ -17,7 +17,7 @@ from radmpc.identification.sharing import nearest_covariance
 from radmpc.identification.spectra import LEAST_RUN, spectra
 from radmpc.identification.whittle import Whittle
 
-__all__ = ["by_another_sensor", "by_spectrum"]
+__all__ = ["by_another_sensor", "by_spectrum", "not_negative"]
 
 
 def by_spectrum(pieces: Sequence[Matrix], A: Matrix) -> tuple[Interval, Interval] | None:
@@ -88,6 +88,22 @@ def by_another_sensor(y: Matrix, offsets: Matrix) -> Interval:
     return normal_interval(
         products.mean(axis=0), np.sqrt(np.maximum(variance, floor) / len(products))
     )
+
+
+def not_negative(difference: Matrix, width: Matrix) -> Interval:
+    """Return the interval of a covariance that is a difference of others: no variance is negative.
+
+    Parameters
+    ----------
+    difference : (n, n) array
+        Symmetric.
+    width : (n, n) array
+        Half the widths of its entries' intervals.
+    """
+    value = nearest_covariance(difference)
+    low, high = np.array(difference - width), np.array(difference + width)
+    np.fill_diagonal(low, np.maximum(np.diag(low), 0.0))
+    return Interval(value, np.minimum(low, value), np.maximum(high, value))
 
 
 def _units(n: int) -> Matrix:
