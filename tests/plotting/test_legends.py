@@ -1,4 +1,4 @@
-"""Legends stay within their figures and off titles, however many signs there are."""
+"""Legends and headlines stay within their figures, however many signs and letters there are."""
 
 from __future__ import annotations
 
@@ -20,13 +20,16 @@ from radmpc.plotting import (
     Chart,
     animate_plan,
     plot_chart,
+    plot_couplings,
     plot_distances,
     plot_ledger,
     plot_plan,
+    plot_risk,
     save_animation,
     save_figure,
 )
 from radmpc.plotting.canvas.columns import columns_within, lines_within
+from radmpc.plotting.canvas.headline import shorten
 from radmpc.plotting.chart import Spread
 
 from .conftest import HORIZON, make_plan, make_vehicle
@@ -163,3 +166,44 @@ def test_a_legend_has_the_fewest_lines_that_fit_its_width() -> None:
     assert lines[-1] == 1
     assert columns_within(entries, 99.0, {}, most=3) == 3
     assert columns_within({}, 1.0, {}) == 1
+
+
+LONG = "a name that goes on and on " * 7
+
+
+@pytest.mark.parametrize(
+    ("draw", "dimension"),
+    [
+        (plot_plan, 2),
+        (plot_plan, 3),
+        (plot_distances, 2),
+        (plot_risk, 2),
+        (plot_couplings, 2),
+        (plot_ledger, 2),
+    ],
+)
+def test_a_long_name_of_a_scenario_is_cut_and_shrinks_nothing(draw, dimension: int) -> None:
+    plan = crowded(dimension)
+    long = replace(plan, scenario=replace(plan.scenario, name=LONG))
+    usual, figure = (
+        found if isinstance(found := draw(one), Figure) else found.figure for one in (plan, long)
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        usual.draw_without_rendering()
+        figure.draw_without_rendering()
+    [headline] = [t for t in figure.findobj(Text) if t.get_text().startswith("a name that")]
+    assert "…" in headline.get_text()
+    assert headline.get_window_extent().x1 <= figure.bbox.width
+    for one, other in zip(usual.axes, figure.axes, strict=True):
+        assert other.get_window_extent().width == pytest.approx(
+            one.get_window_extent().width, rel=0.02
+        )
+
+
+def test_a_headline_that_fits_is_not_cut_and_one_that_does_not_keeps_its_ending() -> None:
+    assert shorten("bay", 3.0, ": 2 sets") == "bay: 2 sets"
+    cut = shorten(LONG, 2.0, ": 2 sets")
+    assert cut.startswith("a name")
+    assert cut.endswith("…: 2 sets")
+    assert shorten(LONG, 0.01) == "a…"

@@ -11,6 +11,7 @@ from radmpc.arrays import Matrix
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, Plan
 from radmpc.plotting.canvas.figure import check_axes, settle_layout
+from radmpc.plotting.canvas.headline import axes_headline
 from radmpc.plotting.canvas.style import (
     COLUMN_WIDTH,
     LABEL_SIZE,
@@ -73,7 +74,7 @@ def plot_couplings(plan: Plan, ax: Axes | None = None) -> Axes:
     axes.set_xlim(0.0, size[0])
     axes.set_ylim(-size[1], 0.0)
     axes.set_title(
-        f"{plan.scenario.name}: {count_text(len(groups), 'set')}",
+        axes_headline(axes, plan.scenario.name, f": {count_text(len(groups), 'set')}"),
         loc="left",
         fontsize=TITLE_SIZE,
         fontweight="bold",

@@ -9,6 +9,7 @@ from radmpc.arguments import check_integer
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.figure import check_axes
+from radmpc.plotting.canvas.headline import axes_headline
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
 from radmpc.plotting.clearances import Clearance, closest_clearances
 from radmpc.plotting.risk.ledger_looks import LINE, draw_key, new_column, say_nothing, settle_part
@@ -53,10 +54,8 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     check_integer(most, "most", 1)
     axes = new_column(_HEIGHT).add_subplot() if ax is None else ax
     settle_part(axes, "", "time [s]")
-    axes.set_title(
-        f"{plan.scenario.name}: closest encounters", loc="left", fontsize=TITLE_SIZE,
-        fontweight="bold", pad=3.0,
-    )  # fmt: skip
+    headline = axes_headline(axes, plan.scenario.name, ": closest encounters")
+    axes.set_title(headline, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
     if not plan.trajectories:
         return say_nothing(axes, plan)
     clearances = closest_clearances(plan, min(most, len(PALETTE)))

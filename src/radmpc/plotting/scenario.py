@@ -19,6 +19,7 @@ from radmpc.plotting.artists.space import (
 from radmpc.plotting.artists.straying import draw_spread, draw_spread_3d
 from radmpc.plotting.canvas.extent import scenario_extent
 from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
+from radmpc.plotting.canvas.headline import axes_headline, figure_headline
 from radmpc.plotting.canvas.space_labels import Board, SpaceBoard, board_of, show_all
 from radmpc.plotting.canvas.style import (
     MAX_LABELS,
@@ -60,7 +61,7 @@ def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
     extent = scenario_extent(scenario)
     if ax is None and scenario.dimension == 3:
         views = new_views(extent, 1)
-        draw_headline(views.figure, scenario.name)
+        draw_headline(views.figure, figure_headline(views.figure, scenario.name))
         settle_views(views)
         for axes, plane in views.panels:
             _draw(axes, scenario, plane)
@@ -68,7 +69,8 @@ def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
         return oblique
     axes = new_axes(extent) if ax is None else ax
     settle_axes(axes, extent)
-    axes.set_title(scenario.name, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
+    headline = axes_headline(axes, scenario.name)
+    axes.set_title(headline, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
     settle_layout(axes)
     _draw(axes, scenario, ABOVE)
     return axes

@@ -10,6 +10,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
+from radmpc.plotting.canvas.headline import axes_headline, figure_headline
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, TITLE_SIZE
 
 __all__ = [
@@ -110,7 +111,7 @@ def draw_title(ax: Axes, plan: Plan, *, details: bool = True, headline: str | No
     # The title's empty last lines make room for the smaller lines below it, which no layout
     # engine would otherwise see.
     below = "\n" * (num_title_lines(plan, details=details) - 1)
-    first = plan.scenario.name if headline is None else headline
+    first = axes_headline(ax, plan.scenario.name if headline is None else headline)
     ax.set_title(first + below, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
     offset = 3.0
     for gid, text, color in reversed(blocks):
@@ -158,7 +159,8 @@ def draw_headlines(
     headline : str or None
         First line; None is the scenario's name.
     """
-    first = plan.scenario.name if headline is None else headline
+    name = plan.scenario.name if headline is None else headline
+    first = figure_headline(figure, name)
     below = "\n" * (num_title_lines(plan, details=details) - 1)
     draw_headline(figure, first + below)
     drop = _ABOVE + 1.35 * TITLE_SIZE

@@ -12,6 +12,7 @@ from radmpc.io.flight.record import FlightRecord, FlownMission
 from radmpc.plotting.artists.flat import Color
 from radmpc.plotting.canvas.extent import plan_extent
 from radmpc.plotting.canvas.figure import new_figure, settle_axes
+from radmpc.plotting.canvas.headline import figure_headline
 from radmpc.plotting.canvas.style import (
     COLUMN_WIDTH,
     LABEL_SIZE,
@@ -98,7 +99,7 @@ def new_stage(record: FlightRecord) -> Stage:
 
 def _draw_title(figure: Figure, name: str, facts: str) -> None:
     """Write the headline and the facts below it."""
-    draw_headline(figure, name + "\n" * len(facts.splitlines()))
+    draw_headline(figure, figure_headline(figure, name) + "\n" * len(facts.splitlines()))
     drop = _ABOVE + 1.35 * TITLE_SIZE
     lower = ScaledTranslation(0.0, -drop / 72.0, figure.dpi_scale_trans)
     figure.text(

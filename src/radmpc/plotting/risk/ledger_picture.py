@@ -15,6 +15,7 @@ from radmpc.model.given import check_plan
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.figure import check_axes, check_figure
+from radmpc.plotting.canvas.headline import figure_headline
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, TICK_SIZE, TITLE_SIZE
 from radmpc.plotting.risk.ledger_looks import (
     ROW,
@@ -135,7 +136,11 @@ def _write_headlines(figure: Figure | SubFigure, plan: Plan) -> None:
     """Write the scenario's name and its certificate against Δ, in red if that is above."""
     # The empty line makes room for the smaller one, which no layout engine would see.
     headline = figure.suptitle(
-        plan.scenario.name + "\n", x=0.02, ha="left", fontsize=TITLE_SIZE, fontweight="bold"
+        figure_headline(figure, plan.scenario.name) + "\n",
+        x=0.02,
+        ha="left",
+        fontsize=TITLE_SIZE,
+        fontweight="bold",
     )
     certified, bound = plan.risk.certified, plan.risk.bound
     if certified is None:

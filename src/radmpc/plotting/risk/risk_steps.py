@@ -11,6 +11,7 @@ from radmpc.model.given import check_plan
 from radmpc.model.ledger import CAUSES
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.figure import check_axes
+from radmpc.plotting.canvas.headline import axes_headline
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
 from radmpc.plotting.risk.ledger_looks import draw_key, new_column, say_nothing, settle_part
 
@@ -39,10 +40,8 @@ def plot_risk(plan: Plan, ax: Axes | None = None) -> Axes:
     check_axes(ax, 2)
     axes = new_column(_HEIGHT).add_subplot() if ax is None else ax
     settle_part(axes, "", "time [s]")
-    axes.set_title(
-        f"{plan.scenario.name}: risk over time", loc="left", fontsize=TITLE_SIZE,
-        fontweight="bold", pad=3.0,
-    )  # fmt: skip
+    headline = axes_headline(axes, plan.scenario.name, ": risk over time")
+    axes.set_title(headline, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
     if plan.risk.certified is None or not plan.risk.ledger:
         return say_nothing(axes, plan)
     risks = _by_step(plan)

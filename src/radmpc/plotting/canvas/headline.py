@@ -1,0 +1,81 @@
+"""Headlines that fit above what they head: names of scenarios may be of any length."""
+
+from __future__ import annotations
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+
+from radmpc.plotting.canvas.figure import DPI, new_figure
+from radmpc.plotting.canvas.style import TITLE_SIZE
+
+__all__ = ["axes_headline", "figure_headline", "shorten"]
+
+_BESIDE = 0.4
+"""Width of ticks and label left of axes, which a headline does not stand above [in]."""
+
+_MARGINS = 0.1
+"""Width left free by a headline above a whole figure [in]."""
+
+_GROWTH = 1.3
+"""How much wider than before the layout one of several axes may be, with what is beside it [-]."""
+
+
+def axes_headline(ax: Axes, name: str, ending: str = "") -> str:
+    """Return a headline above axes: a name, cut where it would run off, and what it ends on.
+
+    A layout makes room for half of a longer one: axes would shrink, down to nothing.
+
+    Parameters
+    ----------
+    ax : Axes
+        Above which.
+    name : str
+        What is cut.
+    ending : str
+        What is not.
+    """
+    figure = ax.get_figure(root=True)
+    if figure is None:
+        return name + ending
+    width = _GROWTH * ax.get_window_extent().width / figure.dpi
+    if len(figure.axes) == 1:
+        width = figure.bbox.width / figure.dpi - _BESIDE
+    return shorten(name, float(width), ending)
+
+
+def figure_headline(figure: Figure | SubFigure, name: str) -> str:
+    """Return a headline above all panels of a figure: a name, cut where it would run off.
+
+    Parameters
+    ----------
+    figure : Figure or SubFigure
+        Above whose panels.
+    name : str
+        One line.
+    """
+    return shorten(name, float(figure.bbox.width / figure.dpi) - _MARGINS)
+
+
+def shorten(name: str, width: float, ending: str = "") -> str:
+    """Return a name and an ending that fit a width as a headline, the name cut where it must be.
+
+    Parameters
+    ----------
+    name : str
+        At least one letter of it is kept.
+    width : float
+        What both may take [in].
+    ending : str
+        Kept as it is.
+    """
+    paper = new_figure(1.0, 1.0)  # no size depends on the paper's
+    text = paper.text(0.0, 0.0, "", fontsize=TITLE_SIZE, fontweight="bold")
+    kept, told = len(name), name + ending
+    while kept > 1:
+        text.set_text(told)
+        measured = text.get_window_extent().width / DPI
+        if measured <= width:
+            break
+        kept = max(1, min(kept - 1, int(kept * width / measured)))
+        told = f"{name[:kept].rstrip()}…{ending}"
+    return told
