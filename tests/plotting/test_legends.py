@@ -18,6 +18,7 @@ from radmpc.model.plan import LedgerRow, Plan, Risk
 from radmpc.model.relations.concerns import all_but
 from radmpc.plotting import (
     Chart,
+    Panel,
     animate_plan,
     plot_chart,
     plot_couplings,
@@ -25,8 +26,12 @@ from radmpc.plotting import (
     plot_ledger,
     plot_plan,
     plot_risk,
+    plot_scenario,
     save_animation,
+    save_axes,
     save_figure,
+    save_ledger,
+    save_panels,
 )
 from radmpc.plotting.canvas.columns import columns_within, lines_within
 from radmpc.plotting.canvas.headline import shorten
@@ -207,3 +212,24 @@ def test_a_headline_that_fits_is_not_cut_and_one_that_does_not_keeps_its_ending(
     assert cut.startswith("a name")
     assert cut.endswith("…: 2 sets")
     assert shorten(LONG, 0.01) == "a…"
+
+
+def test_dollars_in_names_are_letters_and_no_formulas(tmp_path: Path) -> None:
+    plan = crowded(2)
+    names = {"a": "a$b{$", "b": "$\\frac$"}
+    vehicles = [replace(v, name=names[v.name]) for v in plan.scenario.vehicles]
+    scenario = replace(
+        plan.scenario, name="$x^$", vehicles=vehicles, keep=(),
+        obstacles=[Obstacle.box("o $\\sqrt$", [4.0, 4.0], [5.0, 5.0])],
+    )  # fmt: skip
+    rows = (LedgerRow("pair", *names.values(), 1, 0.01),)
+    dear = replace(make_plan(scenario, (tuple(names.values()),)), risk=Risk(0.05, 0.01, rows))
+    for draw in (plot_plan, plot_distances, plot_risk, plot_couplings):
+        save_axes(draw(dear), tmp_path / "own.png")
+        ax = Figure().add_subplot()
+        save_axes(draw(dear, ax), tmp_path / "other.png")
+        assert ax.get_title(loc="left").startswith("$x^$")
+    save_axes(plot_scenario(scenario), tmp_path / "scenario.png")
+    save_ledger(dear, tmp_path / "ledger.png")
+    save_panels([Panel("$y^$", dear)], tmp_path / "panels.png")
+    save_animation(dear, tmp_path / "film.gif", frames_per_step=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patheffects import withStroke
@@ -11,14 +12,13 @@ from radmpc.arrays import Matrix
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, Plan
 from radmpc.plotting.canvas.figure import check_axes, settle_layout
-from radmpc.plotting.canvas.headline import axes_headline
+from radmpc.plotting.canvas.headline import PLAIN, write_headline
 from radmpc.plotting.canvas.style import (
     COLUMN_WIDTH,
     LABEL_SIZE,
     MAX_LABELS,
     MUTED,
     NUMBER_SIZE,
-    TITLE_SIZE,
     vehicle_colors,
 )
 from radmpc.plotting.risk.ledger_looks import new_column
@@ -45,6 +45,7 @@ _FRAME = 0.75
 """Height of title, facts and margins [in]."""
 
 
+@rc_context(PLAIN)
 def plot_couplings(plan: Plan, ax: Axes | None = None) -> Axes:
     """Draw the coupling graph: vehicles as dots, sets side by side, an edge per coupling.
 
@@ -73,13 +74,7 @@ def plot_couplings(plan: Plan, ax: Axes | None = None) -> Axes:
     axes.set_aspect("equal")
     axes.set_xlim(0.0, size[0])
     axes.set_ylim(-size[1], 0.0)
-    axes.set_title(
-        axes_headline(axes, plan.scenario.name, f": {count_text(len(groups), 'set')}"),
-        loc="left",
-        fontsize=TITLE_SIZE,
-        fontweight="bold",
-        pad=3.0,
-    )
+    write_headline(axes, plan.scenario.name, f": {count_text(len(groups), 'set')}")
     names = [name for group in groups for name in group]
     place_of = dict(zip(names, places, strict=True))
     if not names:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 
 from radmpc.arguments import check_integer
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.figure import check_axes
-from radmpc.plotting.canvas.headline import axes_headline
-from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
+from radmpc.plotting.canvas.headline import PLAIN, write_headline
+from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE
 from radmpc.plotting.clearances import Clearance, closest_clearances
 from radmpc.plotting.risk.ledger_looks import LINE, draw_key, new_column, say_nothing, settle_part
 
@@ -28,6 +29,7 @@ _TALL = 3.0
 """Height of the view, in multiples of what the least distances need [-]."""
 
 
+@rc_context(PLAIN)
 def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes:
     """Draw the distances between hulls over time, for the encounters that come closest.
 
@@ -54,8 +56,7 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     check_integer(most, "most", 1)
     axes = new_column(_HEIGHT).add_subplot() if ax is None else ax
     settle_part(axes, "", "time [s]")
-    headline = axes_headline(axes, plan.scenario.name, ": closest encounters")
-    axes.set_title(headline, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
+    write_headline(axes, plan.scenario.name, ": closest encounters")
     if not plan.trajectories:
         return say_nothing(axes, plan)
     clearances = closest_clearances(plan, min(most, len(PALETTE)))

@@ -16,6 +16,7 @@ from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.extent import plan_extent
 from radmpc.plotting.canvas.figure import check_figure, new_figure
+from radmpc.plotting.canvas.headline import PLAIN
 from radmpc.plotting.canvas.style import TITLE_SIZE, vehicle_colors
 from radmpc.plotting.canvas.title import num_title_lines
 from radmpc.plotting.plan import plot_plan
@@ -60,6 +61,7 @@ class Panel:
 def plot_panels(panels: Sequence[Panel], figure: None = None) -> Figure: ...
 @overload
 def plot_panels(panels: Sequence[Panel], figure: Figure | SubFigure) -> Figure | SubFigure: ...
+@rc_context(PLAIN)
 def plot_panels(
     panels: Sequence[Panel], figure: Figure | SubFigure | None = None
 ) -> Figure | SubFigure:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import NoneType
 from typing import overload
 
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
@@ -26,6 +27,7 @@ from radmpc.plotting.canvas.figure import (
     settle_axes,
     settle_layout,
 )
+from radmpc.plotting.canvas.headline import PLAIN
 from radmpc.plotting.canvas.title import draw_headlines, draw_title, num_title_lines
 from radmpc.plotting.contents import draw_contents
 from radmpc.plotting.views import VIEWS_WIDTH, Views, new_views, settle_views
@@ -33,6 +35,7 @@ from radmpc.plotting.views import VIEWS_WIDTH, Views, new_views, settle_views
 __all__ = ["plot_plan", "plot_views"]
 
 
+@rc_context(PLAIN)
 def plot_plan(
     plan: Plan, ax: Axes | None = None, *, details: bool = True, title: str | None = None
 ) -> Axes:
@@ -82,6 +85,7 @@ def plot_plan(
 def plot_views(plan: Plan, figure: None = None) -> Figure: ...
 @overload
 def plot_views(plan: Plan, figure: Figure | SubFigure) -> Figure | SubFigure: ...
+@rc_context(PLAIN)
 def plot_views(plan: Plan, figure: Figure | SubFigure | None = None) -> Figure | SubFigure:
     """Draw a plan in space in three panels: from above, from the side (x and z), and oblique.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 
 from radmpc.arrays import Matrix
@@ -19,12 +20,11 @@ from radmpc.plotting.artists.space import (
 from radmpc.plotting.artists.straying import draw_spread, draw_spread_3d
 from radmpc.plotting.canvas.extent import scenario_extent
 from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
-from radmpc.plotting.canvas.headline import axes_headline, figure_headline
+from radmpc.plotting.canvas.headline import PLAIN, figure_headline, write_headline
 from radmpc.plotting.canvas.space_labels import Board, SpaceBoard, board_of, show_all
 from radmpc.plotting.canvas.style import (
     MAX_LABELS,
     MAX_PANEL_LABELS,
-    TITLE_SIZE,
     vehicle_colors,
 )
 from radmpc.plotting.canvas.title import draw_headline
@@ -40,6 +40,7 @@ __all__ = [
 ]
 
 
+@rc_context(PLAIN)
 def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
     """Draw obstacles, workspace, starts and goals.
 
@@ -69,8 +70,7 @@ def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
         return oblique
     axes = new_axes(extent) if ax is None else ax
     settle_axes(axes, extent)
-    headline = axes_headline(axes, scenario.name)
-    axes.set_title(headline, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
+    write_headline(axes, scenario.name)
     settle_layout(axes)
     _draw(axes, scenario, ABOVE)
     return axes

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from radmpc.plotting.canvas.figure import DPI, new_figure
 from radmpc.plotting.canvas.style import TITLE_SIZE
 
-__all__ = ["axes_headline", "figure_headline", "shorten"]
+__all__ = ["PLAIN", "figure_headline", "shorten", "write_headline"]
 
 _BESIDE = 0.4
 """Width of ticks and label left of axes, which a headline does not stand above [in]."""
@@ -20,8 +22,12 @@ _GROWTH = 1.3
 """How much wider than before the layout one of several axes may be, with what is beside it [-]."""
 
 
-def axes_headline(ax: Axes, name: str, ending: str = "") -> str:
-    """Return a headline above axes: a name, cut where it would run off, and what it ends on.
+PLAIN: dict[Any, Any] = {"text.parse_math": False}
+"""Settings of matplotlib for texts with names: a dollar in them begins no formula."""
+
+
+def write_headline(ax: Axes, name: str, ending: str = "") -> None:
+    """Write a headline above axes: a name, cut where it would run off, and what it ends on.
 
     A layout makes room for half of a longer one: axes would shrink, down to nothing.
 
@@ -35,12 +41,15 @@ def axes_headline(ax: Axes, name: str, ending: str = "") -> str:
         What is not.
     """
     figure = ax.get_figure(root=True)
-    if figure is None:
-        return name + ending
-    width = _GROWTH * ax.get_window_extent().width / figure.dpi
-    if len(figure.axes) == 1:
-        width = figure.bbox.width / figure.dpi - _BESIDE
-    return shorten(name, float(width), ending)
+    if figure is not None:
+        width = _GROWTH * ax.get_window_extent().width / figure.dpi
+        if len(figure.axes) == 1:
+            width = figure.bbox.width / figure.dpi - _BESIDE
+        name, ending = shorten(name, float(width), ending), ""
+    ax.set_title(
+        name + ending, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0,
+        parse_math=False,
+    )  # fmt: skip
 
 
 def figure_headline(figure: Figure | SubFigure, name: str) -> str:
@@ -69,7 +78,7 @@ def shorten(name: str, width: float, ending: str = "") -> str:
         Kept as it is.
     """
     paper = new_figure(1.0, 1.0)  # no size depends on the paper's
-    text = paper.text(0.0, 0.0, "", fontsize=TITLE_SIZE, fontweight="bold")
+    text = paper.text(0.0, 0.0, "", fontsize=TITLE_SIZE, fontweight="bold", parse_math=False)
     kept, told = len(name), name + ending
     while kept > 1:
         text.set_text(told)

@@ -10,7 +10,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
-from radmpc.plotting.canvas.headline import axes_headline, figure_headline
+from radmpc.plotting.canvas.headline import figure_headline, write_headline
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, TITLE_SIZE
 
 __all__ = [
@@ -111,8 +111,7 @@ def draw_title(ax: Axes, plan: Plan, *, details: bool = True, headline: str | No
     # The title's empty last lines make room for the smaller lines below it, which no layout
     # engine would otherwise see.
     below = "\n" * (num_title_lines(plan, details=details) - 1)
-    first = axes_headline(ax, plan.scenario.name if headline is None else headline)
-    ax.set_title(first + below, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
+    write_headline(ax, plan.scenario.name if headline is None else headline, below)
     offset = 3.0
     for gid, text, color in reversed(blocks):
         ax.annotate(
@@ -140,7 +139,9 @@ def draw_headline(figure: Figure | SubFigure, text: str) -> None:
     text : str
         One line or several.
     """
-    figure.suptitle(text, x=_LEFT, ha="left", fontsize=TITLE_SIZE, fontweight="bold")
+    figure.suptitle(
+        text, x=_LEFT, ha="left", fontsize=TITLE_SIZE, fontweight="bold", parse_math=False
+    )
 
 
 def draw_headlines(

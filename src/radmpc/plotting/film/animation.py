@@ -7,6 +7,7 @@ from collections.abc import Callable
 from html import escape
 from io import BytesIO
 
+from matplotlib import rc_context
 from matplotlib.animation import FuncAnimation
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -20,6 +21,7 @@ from radmpc.model.plan import Plan
 from radmpc.plotting.artists.legend import draw_film_legend, num_film_legend_lines
 from radmpc.plotting.canvas.extent import plan_extent
 from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
+from radmpc.plotting.canvas.headline import PLAIN
 from radmpc.plotting.canvas.space_labels import board_of
 from radmpc.plotting.canvas.style import LABEL_SIZE, MUTED, vehicle_colors
 from radmpc.plotting.canvas.title import draw_title, num_title_lines
@@ -132,6 +134,7 @@ def animate_plan(
     return PlanAnimation(film, milliseconds, plan.scenario.name)
 
 
+@rc_context(PLAIN)
 def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
     """Return a plan as a figure that can be set to any frame; see `animate_plan`.
 

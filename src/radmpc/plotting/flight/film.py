@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
@@ -19,6 +20,7 @@ from radmpc.io.flight.record import FlightRecord, FlownMission
 from radmpc.model.plan import Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.flat import Color
+from radmpc.plotting.canvas.headline import PLAIN
 from radmpc.plotting.canvas.space_labels import board_of
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED
 from radmpc.plotting.curves import ABOVE, confidence_ellipses, mean_path, positions
@@ -56,6 +58,7 @@ def save_flight_film(record: FlightRecord, path: str | os.PathLike[str]) -> None
     write_film(make_flight_film(record), target, FRAMES_PER_STEP)
 
 
+@rc_context(PLAIN)
 def make_flight_film(record: FlightRecord) -> Film:
     """Return a flight as a figure that can be set to any frame.
 

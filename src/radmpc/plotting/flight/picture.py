@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
@@ -12,6 +13,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from radmpc.arguments import check_kind
 from radmpc.io.flight.record import FlightRecord, FlownMission
+from radmpc.plotting.canvas.headline import PLAIN
 from radmpc.plotting.canvas.space_labels import board_of
 from radmpc.plotting.canvas.style import (
     ALERT,
@@ -31,6 +33,7 @@ _DROP = 0.27
 """Distance of the legend from the map's lower edge, past ticks and label [in]."""
 
 
+@rc_context(PLAIN)
 def plot_flight(record: FlightRecord) -> Axes:
     """Draw a flight seen from above: paths over the plan, discs, what was hit, the account.
 

@@ -6,6 +6,7 @@ import math
 from typing import overload
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure, SubFigure
@@ -15,7 +16,7 @@ from radmpc.model.given import check_plan
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.figure import check_axes, check_figure
-from radmpc.plotting.canvas.headline import figure_headline
+from radmpc.plotting.canvas.headline import PLAIN, figure_headline
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, TICK_SIZE, TITLE_SIZE
 from radmpc.plotting.risk.ledger_looks import (
     ROW,
@@ -48,6 +49,7 @@ _LINE = 0.14
 def plot_ledger(plan: Plan, figure: None = None) -> Figure: ...
 @overload
 def plot_ledger(plan: Plan, figure: Figure | SubFigure) -> Figure | SubFigure: ...
+@rc_context(PLAIN)
 def plot_ledger(plan: Plan, figure: Figure | SubFigure | None = None) -> Figure | SubFigure:
     """Draw the risk ledger: by cause and step above, shares of Δ by vehicle below.
 
@@ -75,6 +77,7 @@ def plot_ledger(plan: Plan, figure: Figure | SubFigure | None = None) -> Figure 
     return figure
 
 
+@rc_context(PLAIN)
 def plot_risk_map(plan: Plan, ax: Axes | None = None) -> Axes:
     """Draw the risk by cause and step as a map of powers of ten.
 

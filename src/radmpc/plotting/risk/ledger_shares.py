@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.text import Text
 
@@ -12,6 +13,7 @@ from radmpc.model.ledger import CAUSES
 from radmpc.model.plan import Cause, Plan
 from radmpc.plotting.canvas.columns import columns_within
 from radmpc.plotting.canvas.figure import check_axes, settle_layout
+from radmpc.plotting.canvas.headline import PLAIN
 from radmpc.plotting.canvas.style import ALERT, OBSTACLE_FILL, PALETTE, TICK_SIZE
 from radmpc.plotting.risk.ledger_looks import (
     LINE,
@@ -62,6 +64,7 @@ _LABELS: dict[Cause, str] = {
 }
 
 
+@rc_context(PLAIN)
 def plot_risk_shares(plan: Plan, ax: Axes | None = None) -> Axes:
     """Draw each vehicle's share of Δ by cause, and what was left unused or is missing.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
@@ -11,8 +12,8 @@ from radmpc.model.given import check_plan
 from radmpc.model.ledger import CAUSES
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.figure import check_axes
-from radmpc.plotting.canvas.headline import axes_headline
-from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
+from radmpc.plotting.canvas.headline import PLAIN, write_headline
+from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE
 from radmpc.plotting.risk.ledger_looks import draw_key, new_column, say_nothing, settle_part
 
 __all__ = ["plot_risk"]
@@ -21,6 +22,7 @@ _HEIGHT = 2.1
 """Height of the figure [in]."""
 
 
+@rc_context(PLAIN)
 def plot_risk(plan: Plan, ax: Axes | None = None) -> Axes:
     """Draw risk over time: bars per step by cause, and their sum so far against Δ.
 
@@ -40,8 +42,7 @@ def plot_risk(plan: Plan, ax: Axes | None = None) -> Axes:
     check_axes(ax, 2)
     axes = new_column(_HEIGHT).add_subplot() if ax is None else ax
     settle_part(axes, "", "time [s]")
-    headline = axes_headline(axes, plan.scenario.name, ": risk over time")
-    axes.set_title(headline, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
+    write_headline(axes, plan.scenario.name, ": risk over time")
     if plan.risk.certified is None or not plan.risk.ledger:
         return say_nothing(axes, plan)
     risks = _by_step(plan)
