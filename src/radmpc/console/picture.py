@@ -2,12 +2,51 @@
 
 from __future__ import annotations
 
+import re
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from radmpc.console.files import check_output, writing
+from radmpc.console.output import note
 from radmpc.model.plan import Plan
 
-__all__ = ["check_film", "check_picture", "write_film", "write_ledger", "write_picture"]
+__all__ = [
+    "check_film",
+    "check_picture",
+    "drawing",
+    "write_film",
+    "write_ledger",
+    "write_picture",
+]
+
+_GLYPH = re.compile(r"Glyph (\d+) .*missing from")
+"""How matplotlib says that a font lacks a letter, by its number in Unicode."""
+
+
+@contextmanager
+def drawing(path: Path) -> Iterator[None]:
+    """Draw into a file as within `writing`, and say on stderr in a line what is warned of.
+
+    Python's own words would name a line of the code, once for every letter that a font lacks.
+
+    Parameters
+    ----------
+    path : Path
+        What is drawn.
+    """
+    with writing(path), warnings.catch_warnings(record=True) as caught:
+        warnings.filterwarnings("always", category=UserWarning)
+        yield
+    told = list(dict.fromkeys(str(one.message) for one in caught))
+    lacking = {chr(int(found[1])) for text in told if (found := _GLYPH.match(text))}
+    if lacking:
+        letters = ", ".join(sorted(lacking))
+        note(f"{path}: the font has no sign for {letters}: boxes stand for them")
+    for text in told:
+        if not _GLYPH.match(text):
+            note(f"{path}: {text}")
 
 
 def check_film(path: Path | None) -> None:
@@ -58,7 +97,7 @@ def write_ledger(plan: Plan, path: Path) -> None:
     """
     from radmpc.plotting import save_ledger  # noqa: PLC0415 - see the file's first line
 
-    with writing(path):
+    with drawing(path):
         save_ledger(plan, path)
 
 
@@ -74,7 +113,7 @@ def write_picture(plan: Plan, path: Path) -> None:
     """
     from radmpc.plotting import save_figure  # noqa: PLC0415 - see the file's first line
 
-    with writing(path):
+    with drawing(path):
         save_figure(plan, path)
 
 
@@ -90,5 +129,5 @@ def write_film(plan: Plan, path: Path) -> None:
     """
     from radmpc.plotting import save_animation  # noqa: PLC0415 - see the file's first line
 
-    with writing(path):
+    with drawing(path):
         save_animation(plan, path)

@@ -7,9 +7,8 @@ from pathlib import Path
 
 from rich.text import Text
 
-from radmpc.console.files import writing
 from radmpc.console.output import note, show, show_json, width
-from radmpc.console.picture import check_picture
+from radmpc.console.picture import check_picture, drawing
 from radmpc.console.reports.comparison_table import comparison_table
 from radmpc.console.reports.progress import progress_line
 from radmpc.console.running.guard import Code
@@ -166,5 +165,5 @@ def _write_panels(found: Sequence[Comparison], path: Path) -> None:
 
     panels = [Panel(one.planner, one.result.record) for one in found if one.result is not None]
     if panels:
-        with writing(path):
+        with drawing(path):
             save_panels(panels, path)

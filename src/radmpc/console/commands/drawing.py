@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from radmpc.console.completing import VIEWS
-from radmpc.console.files import check_output, check_separate, writing
+from radmpc.console.files import check_output, check_separate
 from radmpc.console.output import show
-from radmpc.console.picture import check_film, write_film
+from radmpc.console.picture import check_film, drawing, write_film
 from radmpc.console.running.guard import Code
 from radmpc.errors import ArgumentError, FileFormatError, ScenarioError
 from radmpc.io.flight.flight_file import is_flight, load_flight
@@ -84,7 +84,7 @@ def _draw_flight(source: Path, view: str | None, output: Path, *, is_film: bool)
     if problems:
         raise FileFormatError(f"{source}:1: plan: {problems[0]}")
     try:
-        with writing(output):
+        with drawing(output):
             (save_flight_film if is_film else save_flight)(record, output)
     except ArgumentError as error:
         raise FileFormatError(f"{source}: cannot be drawn: {error}") from error
@@ -113,7 +113,7 @@ def _draw(value: Scenario | Plan, view: str, output: Path) -> None:
     """Draw one view into a file."""
     from radmpc import plotting  # noqa: PLC0415 - matplotlib loads slowly
 
-    with writing(output):
+    with drawing(output):
         if isinstance(value, Scenario):
             plotting.save_axes(plotting.plot_scenario(value), output)
         elif view == "plan":

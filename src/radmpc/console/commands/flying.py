@@ -9,7 +9,7 @@ from pathlib import Path
 from radmpc.console.files import OutputError, check_output, check_separate, writing
 from radmpc.console.loading import read_plan
 from radmpc.console.output import note, show, show_json
-from radmpc.console.picture import check_film
+from radmpc.console.picture import check_film, drawing
 from radmpc.console.reports.flight import flight_json, flight_report
 from radmpc.console.reports.progress import ProgressLine, progress_line
 from radmpc.console.running.guard import Code
@@ -261,7 +261,7 @@ def _write(record: FlightRecord, request: FlyRequest) -> None:
     if request.film is not None and record.rows:
         from radmpc.plotting import save_flight_film  # noqa: PLC0415 - matplotlib loads slowly
 
-        with writing(request.film):
+        with drawing(request.film):
             save_flight_film(record, request.film)
         written.append(("film", request.film))
     lines = [f"{name} written to {path}" for name, path in written if path is not None]

@@ -10,7 +10,7 @@ from rich.text import Text
 from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.options import named_options
 from radmpc.console.output import show, show_json
-from radmpc.console.picture import check_picture
+from radmpc.console.picture import check_picture, drawing
 from radmpc.console.reports.noise import identification_json, noise_report
 from radmpc.console.running.guard import Code
 from radmpc.errors import FileFormatError, ScenarioError
@@ -167,5 +167,5 @@ def _draw(found: Identification, path: Path) -> None:
     from radmpc.plotting.residuals import plot_residuals  # noqa: PLC0415 - matplotlib loads slowly
     from radmpc.plotting.save import save_axes  # noqa: PLC0415 - matplotlib loads slowly
 
-    with writing(path):
+    with drawing(path):
         save_axes(plot_residuals(found)[0], path)

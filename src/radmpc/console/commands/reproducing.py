@@ -18,6 +18,7 @@ from rich.progress import (
 
 from radmpc.console.files import writing
 from radmpc.console.output import note, show
+from radmpc.console.picture import drawing
 from radmpc.console.running.guard import Code
 from radmpc.console.running.interrupt import stop_on_interrupt
 from radmpc.console.running.workers import workers
@@ -94,7 +95,7 @@ def run_reproduction(request: StudyRequest) -> int:
         write_report,
     )
 
-    with writing(request.out):
+    with drawing(request.out):
         written = write_report(study, rows, request.out)
     for skipped in (m for m in chosen.methods if not m.is_available):
         show(f"left out: {skipped.name} (package {skipped.package} is not installed)")

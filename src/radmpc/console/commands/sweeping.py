@@ -10,7 +10,7 @@ from radmpc.arguments import is_number
 from radmpc.console.choosing import planner_with
 from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.output import note, show, show_json
-from radmpc.console.picture import check_picture
+from radmpc.console.picture import check_picture, drawing
 from radmpc.console.reports.progress import progress_line
 from radmpc.console.reports.sweep_table import sweep_report
 from radmpc.console.running.guard import Code
@@ -186,7 +186,7 @@ def _draw(axes: Sequence[str], rows: Sequence[SweepRow], path: Path) -> None:
             row.within,
         )
 
-    with writing(path):
+    with drawing(path):
         save_axes(plot_costs(axes[0], [point(row) for row in rows]), path)
 
 
