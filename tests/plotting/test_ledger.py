@@ -175,3 +175,15 @@ def test_long_names_leave_room(flat_plan: Plan) -> None:
 def test_a_ledger_is_saved_as_the_suffix_says(spent: Plan, tmp_path: Path) -> None:
     save_ledger(spent, tmp_path / "risk.pdf")
     assert (tmp_path / "risk.pdf").read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_a_map_of_few_rows_keeps_its_label_off_the_color_bar(spent: Plan, count: int) -> None:
+    rows = ROWS[:count]
+    figure = plot_ledger(replace(spent, risk=Risk(0.05, 0.017, rows)))
+    figure.draw_without_rendering()
+    upper, _, bar = figure.axes
+    assert upper.xaxis.label.get_window_extent().y0 > bar.get_window_extent().y1
+    share = artist(upper, "share").get_window_extent()
+    above = share.y0 - upper.get_window_extent().y1
+    assert 0.0 < above < share.height

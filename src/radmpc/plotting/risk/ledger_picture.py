@@ -38,6 +38,9 @@ _DECADES = 8
 _MAP_FRAME = 0.80
 """Height of heading, ticks, labels and color bar of the map [in]."""
 
+_BAR_GAP = 0.04
+"""Space between the map's label and the color bar [in]."""
+
 _HEADLINES = 0.32
 """Height of name and certificate [in]."""
 
@@ -125,8 +128,11 @@ def plot_risk_map(plan: Plan, ax: Axes | None = None) -> Axes:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     for row, total in enumerate(risks.sum(axis=1)):
         write_beside(axes, row, percent(float(total) / plan.risk.bound), f"share:{names[row]}")
-    write_beside(axes, -1, "of Δ", "share")
-    _add_color_bar(axes, mesh)
+    axes.annotate(
+        "of Δ", (1.0, 1.0), xycoords="axes fraction", xytext=(3.0, 3.0), color=MUTED,
+        textcoords="offset points", fontsize=TICK_SIZE, annotation_clip=False, gid="share",
+    )  # fmt: skip
+    _add_color_bar(axes, mesh, len(names))
     return axes
 
 
@@ -163,13 +169,13 @@ def _write_headlines(figure: Figure | SubFigure, plan: Plan) -> None:
     )
 
 
-def _add_color_bar(ax: Axes, mesh: ScalarMappable) -> None:
-    """Say below the map what its colors mean."""
+def _add_color_bar(ax: Axes, mesh: ScalarMappable, num_rows: int) -> None:
+    """Say below the map, of so many rows, what its colors mean."""
     figure = ax.get_figure(root=True)
     if figure is None:
         return
     # Where nothing makes room for ticks and label between the two, the bar keeps away itself.
-    pad = 0.02 if has_layout(ax) else 0.22
+    pad = _BAR_GAP / (ROW * max(2, num_rows)) if has_layout(ax) else 0.22
     bar = figure.colorbar(mesh, ax=ax, location="bottom", aspect=40, pad=pad, shrink=0.9)
     bar.set_label("log₁₀ of the risk per step [-]; blank: less", fontsize=LABEL_SIZE, labelpad=1.0)
     bar.ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
