@@ -92,6 +92,15 @@ def test_a_legend_with_every_sign_stays_within_the_picture(dimension: int) -> No
     assert box.y0 >= 0.0
 
 
+def test_below_flat_panels_in_space_obstacles_for_some_are_hatched_as_there() -> None:
+    figure = plot_plan(crowded(3)).figure
+    legend = drawn_legend(figure)
+    told = [text.get_text() for text in legend.get_texts()]
+    [drawn] = [p for p in figure.axes[0].patches if p.get_gid() == "obstacle:zone"]
+    sign = legend.legend_handles[told.index("for some only")]
+    assert sign.get_hatch() == drawn.get_hatch() == "////"
+
+
 @pytest.mark.parametrize("is_zoned", [True, False])
 def test_a_crowded_legend_leaves_the_map_its_width(is_zoned: bool) -> None:
     ax = plot_plan(crowded(2, is_zoned=is_zoned))

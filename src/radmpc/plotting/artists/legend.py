@@ -149,8 +149,9 @@ def _film_entries(plan: Plan) -> dict[str, Handle]:
             linestyle=(0, (3, 1.5)),
         )  # fmt: skip
     entries["goal"] = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
-    entries |= _surroundings(plan.scenario, is_flat=plan.scenario.dimension == 2)
-    return entries | _relations(plan.scenario, "range")
+    flat = plan.scenario.dimension == 2
+    entries |= _surroundings(plan.scenario, is_flat=flat)
+    return entries | _relations(plan.scenario, "range", is_flat=flat)
 
 
 def _width(figure: Figure | SubFigure) -> float:
@@ -195,7 +196,8 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
     star = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
     entries["goal"] = (_sign("s", 6.0, "#55555540", MUTED, 0.7), star) if is_flat else star
     entries |= _surroundings(plan.scenario, is_flat=is_flat)
-    entries |= _relations(plan.scenario, "range, widest" if plan.trajectories else "range")
+    name = "range, widest" if plan.trajectories else "range"
+    entries |= _relations(plan.scenario, name, is_flat=is_flat)
     if nearest_ghosts(plan):
         entries["when nearest"] = (
             _sign("s", 7.5, OBSTACLE_FILL, MUTED, 0.9),
@@ -223,11 +225,10 @@ def _surroundings(scenario: Scenario, *, is_flat: bool) -> dict[str, Handle]:
     return entries
 
 
-def _relations(scenario: Scenario, name: str) -> dict[str, Handle]:
+def _relations(scenario: Scenario, name: str, *, is_flat: bool) -> dict[str, Handle]:
     """Return the signs of obstacles for some vehicles only, and of ranges under a name."""
     entries: dict[str, Handle] = {}
     if any(obstacle.concerns is not None for obstacle in scenario.obstacles):
-        is_flat = scenario.dimension == 2
         looks = FOR_SOME if is_flat else {"facecolor": OBSTACLE_FILL, "alpha": 0.4}
         entries["for some only"] = Patch(edgecolor=OBSTACLE_EDGE, linewidth=0.5, **looks)
     if scenario.keep:
