@@ -46,6 +46,13 @@ def test_every_vehicle_and_every_coupling_is_drawn(coupled: Plan) -> None:
     assert "edge: risk of collision if planned apart (≤ 1)" in texts(ax)
 
 
+@pytest.mark.parametrize("reason", ["distance", "range"])
+def test_distances_at_edges_are_written_without_powers_of_ten(flat_plan: Plan, reason: str) -> None:
+    for value, told in ((0.314, "0.31 m"), (9.0, "9 m"), (200.0, "200 m"), (1852.0, "1852 m")):
+        ax = plot_couplings(replace(flat_plan, couplings=(Coupling("a", "b", reason, value),)))
+        assert told in texts(ax)
+
+
 def test_an_edge_joins_the_dots_of_its_vehicles(coupled: Plan) -> None:
     ax = plot_couplings(coupled)
     [edges] = artists(ax, "couplings")

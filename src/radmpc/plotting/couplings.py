@@ -38,6 +38,9 @@ _ALONE = 0.6
 _BESIDE = 0.14
 """Distance from an edge to its number, in that unit."""
 
+_WHOLE = 10.0
+"""Distance from which on whole meters are written [m]."""
+
 _MOST_NUMBERS = 16
 """Edges up to which each carries its risk as a number."""
 
@@ -173,7 +176,8 @@ def _number(coupling: Coupling) -> str:
     """Return an edge's value in a few letters."""
     value = 0.0 if coupling.value is None else coupling.value
     if coupling.reason in {"distance", "range"}:
-        return f"{value:.2g} m"
+        # With powers of ten hundreds of meters would be hard to read.
+        return f"{value:.0f} m" if value >= _WHOLE else f"{value:.2g} m"
     return "1" if value >= 0.995 else f"{value:.1g}"
 
 
