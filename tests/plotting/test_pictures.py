@@ -5,7 +5,9 @@ from dataclasses import replace
 import matplotlib
 import numpy as np
 import pytest
+import shapely
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import rgb_to_hsv, to_rgb
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
@@ -13,6 +15,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.model.plan import Plan, Risk
 from radmpc.model.scenario import Scenario
 from radmpc.plotting import plot_plan, plot_scenario
+from radmpc.plotting.artists.obstacles import patch_of
 from radmpc.plotting.canvas.style import ALERT, MAX_LABELS
 
 from .conftest import make_plan, make_vehicle
@@ -72,6 +75,23 @@ def test_a_plan_shows_path_steps_ellipses_hull_and_direction(flat_plan: Plan) ->
     assert len(ellipses.get_paths()) == flat_plan.scenario.horizon + 1
     assert len(artists(ax, "hull:a")) == 1
     assert len(artists(ax, "arrow:a")) == 2
+
+
+def test_a_hull_that_comes_back_to_where_it_was_leaves_free_what_lies_within() -> None:
+    angles = np.linspace(0.0, 2.0 * np.pi, 41)
+    loop = shapely.LineString(5.0 * np.column_stack([np.cos(angles), np.sin(angles)]))
+    fig = Figure(figsize=(2.0, 2.0), dpi=50)
+    ax = fig.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(-6.0, 6.0), ylim=(-6.0, 6.0))
+    ax.set_axis_off()
+    hull = patch_of(loop.buffer(1.0))
+    hull.set(facecolor="black")
+    ax.add_patch(hull)
+    canvas = FigureCanvasAgg(fig)
+    canvas.draw()
+    shades = np.asarray(canvas.buffer_rgba())[50, :, 0]
+    # From the border to the middle: the hull, then nothing.
+    assert shades[8] < 50
+    assert shades[50] > 200
 
 
 def test_a_vehicle_that_stays_has_no_arrow(flat_plan: Plan) -> None:

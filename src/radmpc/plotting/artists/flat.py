@@ -6,13 +6,13 @@ import numpy as np
 import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
-from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
+from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.plan import Trajectory
 from radmpc.model.scenario import Workspace
 from radmpc.model.vehicle import Vehicle
-from radmpc.plotting.artists.obstacles import along_lines
+from radmpc.plotting.artists.obstacles import along_lines, patch_of
 from radmpc.plotting.canvas.labels import LabelBoard
 from radmpc.plotting.canvas.style import MUTED, NUMBER_SIZE, STAR_SIZE, Dashes, numbered_steps
 from radmpc.plotting.curves import (
@@ -197,16 +197,10 @@ def draw_trajectory(
         The two coordinates that are drawn.
     """
     name, path = vehicle.name, mean_path(vehicle, trajectory)[:, list(plane)]
-    swept = shapely.LineString(path).buffer(vehicle.radius)
-    ax.add_patch(
-        Polygon(
-            np.asarray(swept.exterior.coords),
-            facecolor=(*color, 0.10),
-            edgecolor="none",
-            zorder=2.5,
-            gid=f"hull:{name}",
-        )
-    )
+    # One that comes back to where it was leaves what lies within free.
+    swept = patch_of(shapely.LineString(path).buffer(vehicle.radius))
+    swept.set(facecolor=(*color, 0.10), edgecolor="none", zorder=2.5, gid=f"hull:{name}")
+    ax.add_patch(swept)
     ax.add_collection(
         PolyCollection(
             confidence_ellipses(vehicle, trajectory, plane=plane),

@@ -26,7 +26,7 @@ from radmpc.plotting.canvas.style import (
 )
 from radmpc.plotting.curves import ABOVE, Plane
 
-__all__ = ["along_lines", "draw_obstacle", "name_obstacle", "ring_of", "seen"]
+__all__ = ["along_lines", "draw_obstacle", "name_obstacle", "patch_of", "ring_of", "seen"]
 
 
 def draw_obstacle(
@@ -65,7 +65,7 @@ def draw_obstacle(
                 _draw_wall(ax, obstacle, ends, alpha)
                 board.avoid(along_lines(np.vstack([ends, ends[:1]])))
             continue
-        patch = _patch_of(outline)
+        patch = patch_of(outline)
         patch.set(
             **({"facecolor": OBSTACLE_FILL} if obstacle.concerns is None else FOR_SOME),
             edgecolor=OBSTACLE_EDGE,
@@ -164,8 +164,14 @@ def seen(piece: Polytope, plane: Plane) -> shapely.Geometry:
     return shapely.MultiPoint(piece.vertices[:, list(plane)]).convex_hull
 
 
-def _patch_of(polygon: shapely.Geometry) -> Patch:
-    """Return a polygon, perhaps with holes, as something to draw."""
+def patch_of(polygon: shapely.Geometry) -> Patch:
+    """Return a polygon, perhaps with holes, as something to draw.
+
+    Parameters
+    ----------
+    polygon : Geometry
+        In the coordinates of the axes.
+    """
     if polygon.geom_type != "Polygon" or not polygon.interiors:
         return Polygon(ring_of(polygon))
     # Renderers leave free what goes round the other way.
