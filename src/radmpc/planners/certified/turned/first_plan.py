@@ -75,12 +75,15 @@ def first_plan(
     sets = _meeting(hazards, paths, clearance)
     largest = max(len(members) for members in sets)
     is_easy = not (_is_crowded(hazards, largest) or is_blocked)
-    if is_easy and not is_needed and not is_short and (largest == 1 or is_large):
-        return FleetIncumbent()
-    if is_easy and is_needed and largest == 1:
+    # Which steps visits are made at the search may not know for long.
+    is_open = visits is not None
+    if is_easy and largest == 1 and (is_needed or is_open):
         found = _alone(task, paths)
         if found.controls:
             return found
+    is_soon_searched = largest == 1 and not is_open
+    if is_easy and not is_needed and not is_short and (is_soon_searched or is_large):
+        return FleetIncumbent()
     if is_easy and not is_needed and not is_short:
         is_apart, found = _given_way(task, paths, clearance, sets)
         if is_apart:
