@@ -13,7 +13,6 @@ from radmpc.arrays import Matrix
 from radmpc.errors import ScenarioError
 from radmpc.io.native.noise import correlation_of, encode_correlation
 from radmpc.io.native.schema import SharedDisturbanceSpec
-from radmpc.io.text.files import shown
 from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.vehicle import Vehicle
 
@@ -40,8 +39,7 @@ def with_shared(
     Raises
     ------
     ScenarioError
-        If a name is that of no vehicle or stands twice, a disturbance acts on nobody, or a value
-        is not allowed.
+        If a name is that of no vehicle or stands twice, or a value is not allowed.
     """
     names = [vehicle.name for vehicle in vehicles]
     parts: dict[str, list[SharedDisturbance]] = {name: [] for name in names}
@@ -59,9 +57,6 @@ def with_shared(
             rho = correlation_of(spec.time_constant, spec.correlation, dt)
         except ScenarioError as error:
             raise error.under(*path) from error
-        if not any(spec.on.get(n if n in spec.on else _DEFAULT) is not None for n in names):
-            text = f"must give a vehicle its part, or {_DEFAULT}; got {shown(spec.on)}"
-            raise ScenarioError(text, (*path, "on"))
         for vehicle in vehicles:
             key = vehicle.name if vehicle.name in spec.on else _DEFAULT
             given = spec.on.get(key)
