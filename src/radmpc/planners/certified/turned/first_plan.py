@@ -76,18 +76,15 @@ def first_plan(
     largest = max(len(members) for members in sets)
     is_easy = not (_is_crowded(hazards, largest) or is_blocked)
     # Which steps visits are made at the search may not know for long.
-    is_open = visits is not None
-    if is_easy and largest == 1 and (is_needed or is_open):
+    if is_easy and largest == 1 and (is_needed or visits is not None):
         found = _alone(task, paths)
         if found.controls:
             return found
-    is_soon_searched = largest == 1 and not is_open
-    if is_easy and not is_needed and not is_short and (is_soon_searched or is_large):
+    is_searched = is_easy and not (is_needed or is_short)
+    if is_searched and (is_large or (largest == 1 and visits is None)):
         return FleetIncumbent()
-    if is_easy and not is_needed and not is_short:
-        is_apart, found = _given_way(task, paths, clearance, sets)
-        if is_apart:
-            return found
+    if is_searched and (found := _given_way(task, paths, clearance, sets)) is not None:
+        return found
     from radmpc.planners.certified.turned.attempt import Begin  # noqa: PLC0415 - as below
     from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
 
@@ -95,7 +92,7 @@ def first_plan(
     is_compared = not is_needed and _is_among_many(hazards, largest)
     sought = clearance, price if is_compared else None
     routes = _routes(task, alone, stopped, *sought, is_quick=is_needed)
-    seconds = _seconds(task, is_aside=is_easy and not (is_needed or is_short), is_maze=is_maze)
+    seconds = _seconds(task, is_aside=is_searched, is_maze=is_maze)
     to_choose = None if visits is None else visits.to_choose
     is_hard = bool(routes) and largest >= TUNING.many
     flags = (is_easy and is_needed, is_easy and is_short, is_hard, is_compared, is_needed)
@@ -224,20 +221,20 @@ def _told_once(task: Task) -> Task:
 
 def _given_way(
     task: Task, alone: Paths, clearance: float, sets: tuple[tuple[int, ...], ...]
-) -> tuple[bool, FleetIncumbent]:
-    """Tell whether vehicles keep apart at once, planned one after the other, and the plan if any.
+) -> FleetIncumbent | None:
+    """Return the plan, if any, of vehicles that keep apart at once, planned one after the other.
 
-    The search finds a cheaper one soon, as a rule; it may take long.
+    None where they do not. The search finds a cheaper plan soon, as a rule; it may take long.
     """
     probe = SuccessiveLp(task.hazards, task.limits)
     probe.begin(alone.controls)
     sweeps = TUNING.quick_sweeps
     if not probe.keep_apart(TUNING.narrower * clearance, sweeps, is_quick=True):
-        return False, FleetIncumbent()
+        return None
     found = _certified(task, probe.paths, sets)
     if not found.controls and probe.keep_apart(clearance, sweeps, is_quick=True):
         found = _certified(task, probe.paths, sets)
-    return True, found
+    return found
 
 
 def _stopped(hazards: Hazards, paths: Paths) -> np.ndarray:
