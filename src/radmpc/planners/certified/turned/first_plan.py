@@ -83,10 +83,10 @@ def first_plan(
     is_searched = is_easy and not (is_needed or is_short)
     if is_searched and (is_large or (largest == 1 and visits is None)):
         return FleetIncumbent()
-    if is_searched and (found := _given_way(task, paths, clearance, sets)) is not None:
-        return found
-    from radmpc.planners.certified.turned.attempt import Begin  # noqa: PLC0415 - as below
-    from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
+    apart = _given_way(task, paths, clearance, sets) if is_searched else None
+    if apart is not None:
+        return apart
+    from radmpc.planners.certified.turned import attempt, attempts  # noqa: PLC0415 - few need any
 
     price *= _dear(is_maze=is_maze) * paths.cost() / task.risk_bound
     is_compared = not is_needed and _is_among_many(hazards, largest)
@@ -96,8 +96,8 @@ def first_plan(
     to_choose = None if visits is None else visits.to_choose
     is_hard = bool(routes) and largest >= TUNING.many
     flags = (is_easy and is_needed, is_easy and is_short, is_hard, is_compared, is_needed)
-    begin = Begin(task, alone, routes, sets, price, clearance, to_choose, *flags)
-    return tried(begin, rng, task.limits.within(seconds))
+    begin = attempt.Begin(task, alone, routes, sets, price, clearance, to_choose, *flags)
+    return attempts.tried(begin, rng, task.limits.within(seconds))
 
 
 def _is_easy_along_lines(task: Task) -> bool:
