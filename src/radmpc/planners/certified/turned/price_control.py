@@ -67,6 +67,8 @@ class PriceControl:
         Whether rounds take so long that a first plan is worth more than a cheap one.
     is_brief : bool
         Whether the first plan that spends enough of Δ ends the rounds.
+    is_large : bool
+        Whether little of the whole is much of many vehicles.
     num_stalls : int
         Rounds in a row that gained too little.
     safe : SafePaths or None
@@ -79,6 +81,7 @@ class PriceControl:
     rival: float = float("inf")
     is_urgent: bool = False
     is_brief: bool = False
+    is_large: bool = False
     num_stalls: int = 0
     _num_rounds: int = 0
     _num_idle: int = 0
@@ -213,7 +216,9 @@ class PriceControl:
         is_behind &= self._num_rounds >= PRICE_TUNING.tried
         if best is not None and self._cheapest - best.cost >= little:
             self._num_idle = 0
-        is_spent = best is not None and potential <= PRICE_TUNING.negligible * self.gap * abs(cost)
+        tuning = PRICE_TUNING
+        share = tuning.negligible_of_many if self.is_large else tuning.negligible
+        is_spent = best is not None and potential <= share * self.gap * abs(cost)
         if is_behind or is_spent:
             self._num_idle = PRICE_TUNING.most_idle
 

@@ -109,8 +109,9 @@ class Turning:
             The best certified plan so far.
         """
         task, paths = self.task, self.successive.paths
-        is_urgent = task.hazards.count > TUNING.few and not self.incumbent.controls
-        flags = is_urgent, self.enough < float("inf")
+        is_large = task.hazards.count > TUNING.few
+        is_urgent = is_large and not self.incumbent.controls
+        flags = is_urgent, self.enough < float("inf"), is_large
         control = PriceControl(self.price, task.risk_bound, task.gap, rival, *flags)
         self.successive.forget_all_but(self.groups)
         begun = time.monotonic()
