@@ -35,10 +35,8 @@ def waiting_times(
 
     Parameters
     ----------
-    spaces : sequence of FreeSpace
-        What obstacles leave each, on one grid.
-    vehicles : sequence of ForeignVehicle
-        In the plane.
+    spaces, vehicles
+        As in `queue_times`.
     clearances : sequence of float
         What each keeps beside its hull on its path [m].
 

@@ -38,7 +38,8 @@ def first_plan(
 
     Vehicles begin with what they do alone; those that an obstacle stops begin with the shortest
     route around, at times that differ from attempt to attempt. Where nothing stops them and few get
-    in each other's way, searching their sets is as quick, and nothing is done.
+    in each other's way, searching their sets is as quick, and nothing is done, unless steps of
+    visits are to be chosen.
 
     Parameters
     ----------
