@@ -14,11 +14,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, field, fields, replace
 from operator import attrgetter
 from reprlib import recursive_repr
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-__all__ = ["asdict", "dataclass", "field", "fields", "replace"]
+__all__ = ["Kept", "asdict", "dataclass", "field", "fields", "replace"]
 
 _Methods = Mapping[str, object]
+
+_Value = TypeVar("_Value")
+_Result = TypeVar("_Result")
 
 
 def _dataclass(
@@ -55,6 +58,38 @@ def _dataclass(
         return made
 
     return decorate
+
+
+class Kept:
+    """What was computed of a value that does not change, for who asks again.
+
+    A field of it, made anew for each value: what others are made of one, by copies with changes or
+    by pickles, begins with nothing.
+    """
+
+    __slots__ = ("_found",)
+
+    def __init__(self) -> None:
+        self._found: dict[Callable[..., Any], Any] = {}
+
+    def __reduce__(self) -> tuple[type[Kept], tuple[()]]:
+        """Return what makes an empty one."""
+        return Kept, ()
+
+    def once(self, compute: Callable[[_Value], _Result], value: _Value) -> _Result:
+        """Return what a function makes of the value that this belongs to.
+
+        Parameters
+        ----------
+        compute : callable
+            The function.
+        value : object
+            That value.
+        """
+        if compute not in self._found:
+            self._found[compute] = compute(value)
+        found: _Result = self._found[compute]
+        return found
 
 
 class _LateInit:

@@ -12,8 +12,46 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.records import dataclass
 
-__all__ = ["diagonal_rows", "rows_of_entries"]
+__all__ = ["SparseBlock", "diagonal_rows", "rows_of_entries", "sparse_block"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SparseBlock:
+    """A block of a matrix, row by row without its zeros.
+
+    Attributes
+    ----------
+    values : (e,) array
+        The entries.
+    columns : (e,) int array
+        Their columns.
+    ends : (h,) int array
+        Where each row ends among them.
+    width : int
+        Columns of the block.
+    """
+
+    values: Vector
+    columns: Indices
+    ends: Indices
+    width: int
+
+
+def sparse_block(matrix: Matrix) -> SparseBlock:
+    """Return a dense block without its zeros.
+
+    Parameters
+    ----------
+    matrix : (h, w) array
+        The block.
+    """
+    height, width = matrix.shape
+    entries = matrix.ravel()
+    places = np.flatnonzero(entries)
+    ends = places.searchsorted(np.arange(1, height + 1) * width)
+    return SparseBlock(entries[places], places % width, ends, width)
 
 
 def rows_of_entries(
@@ -45,14 +83,14 @@ def rows_of_entries(
 
 
 def diagonal_rows(
-    blocks: Sequence[Matrix], num_columns: int | None = None, num_units: int = 0
+    blocks: Sequence[SparseBlock], num_columns: int | None = None, num_units: int = 0
 ) -> csr_array:
-    """Return dense blocks along the diagonal, zeros left out, and rows of a unit below them.
+    """Return blocks along the diagonal, and rows of a unit below them.
 
     Parameters
     ----------
-    blocks : sequence of (h_i, n_i) array
-        The blocks, at least one.
+    blocks : sequence of SparseBlock
+        The blocks.
     num_columns : int or None
         Columns of the matrix; None for those of the blocks.
     num_units : int
@@ -63,21 +101,18 @@ def diagonal_rows(
     (h + num_units, n) sparse array
         Row and column numbers have 32 bits.
     """
-    values, columns, ends = [], [], []
+    values, columns, ends = [], [], [np.zeros(1, dtype=np.int64)]
     first = count = 0
     for block in blocks:
-        height, width = block.shape
-        entries = block.ravel()
-        places = np.flatnonzero(entries)
-        values.append(entries[places])
-        columns.append(places % width + first)
-        ends.append(places.searchsorted(np.arange(1, height + 1) * width) + count)
-        first, count = first + width, count + places.size
+        values.append(block.values)
+        columns.append(block.columns + first)
+        ends.append(block.ends + count)
+        first, count = first + block.width, count + block.values.size
     units = np.arange(num_units)
     values.append(np.ones(num_units))
     columns.append(units)
     ends.append(units + (count + 1))
-    starts = np.concatenate([[0], *ends]).astype(np.int32)
+    starts = np.concatenate(ends).astype(np.int32)
     where = np.concatenate(columns).astype(np.int32)
     shape = starts.size - 1, first if num_columns is None else num_columns
     return csr_array((np.concatenate(values), where, starts), shape=shape)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import block_diag, csr_array, eye_array, vstack
 
-from radmpc.sparse_rows import diagonal_rows, rows_of_entries
+from radmpc.sparse_rows import diagonal_rows, rows_of_entries, sparse_block
 
 
 def blocks(rng: np.random.Generator) -> list[np.ndarray]:
@@ -19,7 +19,7 @@ def blocks(rng: np.random.Generator) -> list[np.ndarray]:
 def test_blocks_along_the_diagonal_are_those_of_scipy_without_its_zeros() -> None:
     for seed in range(20):
         some = blocks(np.random.default_rng(seed))
-        ours, theirs = diagonal_rows(some), csr_array(block_diag(some))
+        ours, theirs = diagonal_rows([sparse_block(one) for one in some]), csr_array(block_diag(some))
         theirs.eliminate_zeros()
         for name in ("data", "indices", "indptr"):
             np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))
@@ -31,7 +31,7 @@ def test_rows_of_a_unit_stand_below_the_blocks() -> None:
     some = blocks(np.random.default_rng(3))
     width = sum(block.shape[1] for block in some)
     wider = vstack([block_diag([*some, np.zeros((0, 2))]), eye_array(width + 2)])
-    ours = diagonal_rows(some, width + 2, num_units=width + 2)
+    ours = diagonal_rows([sparse_block(one) for one in some], width + 2, num_units=width + 2)
     np.testing.assert_array_equal(ours.toarray(), wider.toarray())
 
 

@@ -11,10 +11,10 @@ from scipy.sparse import block_diag, csr_array
 from radmpc.arrays import Indices, Vector
 from radmpc.program.avoidance import RowBlock
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.hard import hard_rows
+from radmpc.program.hard import split_hard_rows
 from radmpc.program.program import ChanceRows
 from radmpc.records import dataclass
-from radmpc.sparse_rows import diagonal_rows, rows_of_entries
+from radmpc.sparse_rows import SparseBlock, diagonal_rows, rows_of_entries, sparse_block
 
 if TYPE_CHECKING:
     from radmpc.program.visits.columns import TimeColumns
@@ -116,24 +116,23 @@ def all_outputs(models: Sequence[CondensedModel], num_columns: int) -> tuple[csr
     constant : (p + n,) array
         What is added: the drift of positions [m].
     """
-    blocks = []
-    for model in models:
-        prediction = model.position.reshape(-1, model.position.shape[2])
-        blocks.append(np.hstack([prediction, -prediction]))
+    blocks = [model.kept.once(_position_rows, model) for model in models]
     drift = [model.drift_position.ravel() for model in models]
     rows = diagonal_rows(blocks, num_columns, num_units=num_columns)
     return rows, np.concatenate([*drift, np.zeros(num_columns)])
 
 
+def _position_rows(model: CondensedModel) -> SparseBlock:
+    """Return a vehicle's mean positions over its columns, but for its drift."""
+    prediction = model.position.reshape(-1, model.position.shape[2])
+    return sparse_block(np.hstack([prediction, -prediction]))
+
+
 def _stacked_hard_rows(models: Sequence[CondensedModel]) -> tuple[csr_array, Vector, Vector]:
     """Return the hard rows of all vehicles over the columns, with lower and upper bounds."""
-    blocks, lowers, uppers = [], [], []
-    for model in models:
-        rows, lower, upper = hard_rows(model)
-        blocks.append(np.hstack([rows, -rows]))
-        lowers.append(lower)
-        uppers.append(upper)
-    return diagonal_rows(blocks), np.concatenate(lowers), np.concatenate(uppers)
+    every = [split_hard_rows(model) for model in models]
+    lower, upper = [one.lower for one in every], [one.upper for one in every]
+    return diagonal_rows([one.rows for one in every]), np.concatenate(lower), np.concatenate(upper)
 
 
 def stacked_chance_rows(

@@ -9,7 +9,7 @@ from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.positions import PositionResponse
 from radmpc.model.vehicle import Vehicle
 from radmpc.program.reach import reach_by_boxes, reach_by_speeds
-from radmpc.records import dataclass
+from radmpc.records import Kept, dataclass, field
 
 __all__ = [
     "CondensedModel",
@@ -116,6 +116,8 @@ class CondensedModel:
     face_bounds : (T, f) array or None
         Largest nominal control along each normal of a polytope, see `control_face_bounds`; None
         where the control's norm is free.
+    kept : Kept
+        What was computed of it.
     """
 
     vehicle: Vehicle
@@ -132,6 +134,7 @@ class CondensedModel:
     common: PositionResponse | None = None
     time_cost: float = 0.0
     face_bounds: Matrix | None = None
+    kept: Kept = field(default_factory=Kept, init=False, repr=False)
 
     def path(self, controls: Matrix) -> Matrix:
         """Return the mean positions under some controls, (T+1, d) [m].

@@ -7,8 +7,44 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.geometry import inner_faces
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import dataclass
+from radmpc.sparse_rows import SparseBlock, sparse_block
 
-__all__ = ["hard_rows", "norm_rows"]
+__all__ = ["HardRows", "hard_rows", "norm_rows", "split_hard_rows"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HardRows:
+    """One vehicle's hard rows over its columns ``u+``, then ``u-``.
+
+    Attributes
+    ----------
+    rows : SparseBlock
+        Coefficients.
+    lower, upper : (h,) array
+        Bounds.
+    """
+
+    rows: SparseBlock
+    lower: Vector
+    upper: Vector
+
+
+def split_hard_rows(model: CondensedModel) -> HardRows:
+    """Return one vehicle's hard rows over its columns; every program of it has them.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+    """
+    return model.kept.once(_split, model)
+
+
+def _split(model: CondensedModel) -> HardRows:
+    """Compute them."""
+    rows, lower, upper = hard_rows(model)
+    return HardRows(sparse_block(np.hstack([rows, -rows])), lower, upper)
 
 
 def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:

@@ -68,7 +68,7 @@ def optimum(highs: highspy.Highs) -> Vector | None:
     highs.run()
     if highs.getModelStatus() != highspy.HighsModelStatus.kOptimal:
         return None
-    return np.array(highs.getSolution().col_value)
+    return array_of(highs.getSolution().col_value)
 
 
 def array_of(values: list[float]) -> Vector:

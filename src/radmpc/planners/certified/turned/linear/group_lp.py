@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +16,8 @@ from radmpc.planners.certified.turned.linear.given import Layout, Places
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.kept_basis import Bounds, KeptBasis
 from radmpc.planners.certified.turned.linear.margins import Margins
+from radmpc.planners.certified.turned.linear.member import member_of
 from radmpc.planners.certified.turned.linear.parts import Entered, Rows, are_few, near_first
-from radmpc.program.condensed import CondensedModel
-from radmpc.program.hard import hard_rows
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL
 from radmpc.solvers.solution import Limits
@@ -71,31 +70,22 @@ class GroupLp:
         # At steps nothing is asked for where windows begin.
         self._num_ends = 2 if hazards.intervals else 1
         self._lp = ExchangeLp()
-        starts = [self._add_member(model) for model in self._models]
+        self._controls = self._add_members()
         self._stay = self._lp.num_columns, self._lp.num_rows
         self._bounds: tuple[Bounds, Bounds] | None = None
         self._kept: KeptBasis | None = None
-        self._controls = np.array([first for first, _ in starts])
-        self._positions = np.array([second for _, second in starts])
         self._spans = np.array([model.control_bounds.size for model in self._models])
+        self._positions = self._controls + 2 * self._spans
         self._widths = np.array([model.control_bounds.shape[1] for model in self._models])
 
-    def _add_member(self, model: CondensedModel) -> tuple[int, int]:
-        """Add a vehicle's columns and hard rows; return its first control and position."""
-        span, positions = model.control_bounds.size, model.position[1:]
-        count = positions.shape[0] * positions.shape[1]
-        most = np.maximum(np.tile(model.control_bounds.ravel(), 2), 0.0)
-        cost = np.full(2 * span, model.vehicle.cost_weight)
-        first = self._lp.add_columns(cost, np.zeros(2 * span), most)
-        self._lp.add_columns(np.zeros(count), np.full(count, -_INF), np.full(count, _INF))
-        rows, lower, upper = hard_rows(model)
-        prediction = positions.reshape(count, span)
-        drift = model.drift_position[1:].ravel()
-        hard = np.hstack([rows, -rows, np.zeros((len(rows), count))])
-        motion = np.hstack([-prediction, prediction, np.eye(count)])
-        both = diagonal_rows([np.vstack([hard, motion])])
-        self._lp.add_rows(both, np.append(lower, drift), np.append(upper, drift), first)
-        return first, first + 2 * span
+    def _add_members(self) -> Indices:
+        """Add the vehicles' columns and hard rows; return the first column of each."""
+        members = [member_of(model) for model in self._models]
+        widths = [one.rows.width for one in members]
+        self._lp.add_columns(*_joined((one.cost, one.lower, one.upper) for one in members))
+        bounds = _joined((one.row_lower, one.row_upper) for one in members)
+        self._lp.add_rows(diagonal_rows([one.rows for one in members]), *bounds)
+        return np.cumsum([0, *widths[:-1]])
 
     @property
     def work(self) -> float:
@@ -298,3 +288,8 @@ class GroupLp:
         for half, turn in ((0, -1.0), (1, 1.0)):
             columns = plus + half * self._spans[slots][:, None]
             yield np.repeat(mine, axes.size), columns.ravel(), (turn * pulls).ravel()
+
+
+def _joined(parts: Iterable[tuple[Vector, ...]]) -> Iterator[Vector]:
+    """Return the arrays of all members one after the other, kind by kind."""
+    return map(np.concatenate, zip(*parts, strict=True))
