@@ -19,7 +19,10 @@ def blocks(rng: np.random.Generator) -> list[np.ndarray]:
 def test_blocks_along_the_diagonal_are_those_of_scipy_without_its_zeros() -> None:
     for seed in range(20):
         some = blocks(np.random.default_rng(seed))
-        ours, theirs = diagonal_rows([sparse_block(one) for one in some]), csr_array(block_diag(some))
+        ours, theirs = (
+            diagonal_rows([sparse_block(one) for one in some]),
+            csr_array(block_diag(some)),
+        )
         theirs.eliminate_zeros()
         for name in ("data", "indices", "indptr"):
             np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))

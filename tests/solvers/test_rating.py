@@ -47,6 +47,7 @@ def points_of(rater: Rater, rng: np.random.Generator) -> list[np.ndarray]:
     seen: list[np.ndarray] = []
     rate = rater.rate
     rater.rate = lambda z: (seen.append(z.copy()), rate(z))[1]  # type: ignore[method-assign]
+    tree._solver.solve = tree._solver._by_python  # type: ignore[method-assign]
     tree.run(60)
     del rater.rate
     program = rater.program
@@ -88,7 +89,7 @@ def test_the_same_avoidance_is_branched_on(scene: str, has_plan: bool) -> None:
         rating: Rating = rater._rated(z)
         chosen = [int(a) for a in rating.selection[rng.random(rating.selection.size) < 0.2]]
         free = np.ones(rating.cheapest.size, dtype=bool)
-        free[choice._owner[chosen]] = False
+        free[choice.owners[chosen]] = False
         found = choice.most_promising(chosen, rating, has_plan=has_plan)
         assert found == choice._worst(free, rating, by_weight=not has_plan)
         if chosen and rng.random() < 0.5:

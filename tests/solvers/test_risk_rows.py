@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from radmpc.experiments.families import clutter, paper
+from radmpc.experiments.families import circle, clutter, paper
 from radmpc.model.scenario import Scenario
 from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.compiled_code import is_compiled
@@ -113,6 +113,30 @@ def test_rows_switched_off_are_dropped_before_they_crowd() -> None:
     assert 400 < most < 450
 
 
+def test_rows_are_switched_on_however_many_a_program_has_without_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # Polygons within limits of norms: 540 rows of three vehicles.
+    there = circle(3)
+    normed = [replace(v, control_limit=None, control_norm=2.0) for v in there.vehicles]
+    rater = rater_of(replace(there, vehicles=tuple(normed)))
+    program = rater.program
+    assert program.hard.shape[0] > 500
+    for lp in (RiskLp(program, UNIT, PRICE), by_python(monkeypatch, rater, ())):
+        lp.activate((0,))
+        starts, (_, bound) = lp.starts, lp.solve()
+        # Half of the alternatives stand across the path of least effort.
+        bounds = []
+        for alternative in range(min(program.num_alternatives, 40)):
+            lp.activate((alternative,))
+            bounds.append(lp.solve()[1])
+        assert max(bounds) > bound * 1.01
+        assert lp.starts == starts
+    tree = RiskTree(program, UNIT, PRICE, gap=1e-3, scale=1e-3, limits=Limits())
+    tree.run(2_000)
+    assert tree.value <= tree.bound * (1.0 + 1.1e-3)
+
+
 @pytest.mark.parametrize("scene", SCENES)
 def test_searches_prove_what_those_by_python_do(
     scene: str, monkeypatch: pytest.MonkeyPatch
@@ -125,7 +149,7 @@ def test_searches_prove_what_those_by_python_do(
             rater.program, UNIT, PRICE, gap=1e-4, scale=1e-3, limits=Limits(), rater=rater
         )
         if is_python:
-            tree._lp = by_python(monkeypatch, rater, ())
+            tree._solver._lp = by_python(monkeypatch, rater, ())
         tree.run(3_000)
         found.append((tree.bound, tree.value))
     (bound, value), (other_bound, other_value) = found

@@ -82,7 +82,7 @@ def test_a_rater_made_for_another_unit_serves_a_search_all_the_same() -> None:
     for rater in (Rater(program, UNIT), Rater(program, UNIT / 2.0)):
         tree = RiskTree(program, UNIT, PRICE, gap=1e-4, scale=1e-3, limits=Limits(), rater=rater)
         tree.run(2_000)
-        values.append(tree.lp.floor)
+        values.append(tree._solver.lp.floor)
     assert values[0] == values[1] == pytest.approx(norm.isf(UNIT))
 
 

@@ -156,8 +156,8 @@ def test_its_proofs_are_those_of_the_record_that_looks_after_highs(seed: int) ->
 
 
 def test_what_takes_it_too_long_is_left_to_highs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("radmpc.solvers.lp.simplex_lp._LEAST_PIVOTS", 0)
-    monkeypatch.setattr("radmpc.solvers.lp.simplex_lp._PIVOTS", 0)
+    monkeypatch.setattr("radmpc.solvers.lp.simplex_lp.LEAST_PIVOTS", 0)
+    monkeypatch.setattr("radmpc.solvers.lp.simplex_lp.PIVOTS", 0)
     asked = []
     honest = HighsLp.solve
     monkeypatch.setattr(HighsLp, "solve", lambda lp, *of: (asked.append(lp), honest(lp, *of))[1])

@@ -86,6 +86,27 @@ class RiskRows:
     def activate(self, alternatives: tuple[int, ...], crowd: int, crowd_each: int, /) -> bool: ...
     def refine(self, clearances: Vector, point: Vector, tolerance: float, /) -> bool: ...
 
+class Nodes:
+    def __new__(
+        cls,
+        rows: RiskRows,
+        ratings: Ratings,
+        owners: Numbers,
+        is_refined: npt.NDArray[np.bool_],
+        weights: Vector,
+        factors: Vector,
+        best_point: Vector,
+        best_selection: Indices,
+        short: Matrix,
+        precision: tuple[float, float, float, float, float],
+        risks: tuple[float, float, float],
+        counts: tuple[int, int, int, int, int],
+        /,
+    ) -> Nodes: ...
+    def solve(
+        self, chosen: tuple[int, ...], basis: bytes, bound: float, value: float, has_plan: bool, /
+    ) -> tuple[int, float, int, int, int, bytes, bool, float, float]: ...
+
 def choose_avoidance(
     short: Matrix,
     cheapest: Vector,

@@ -14,7 +14,16 @@ from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass, replace
 
-__all__ = ["Guide", "Limits", "Outcome", "Solution", "Solver", "cutoff_below", "relative_gap"]
+__all__ = [
+    "INSIDE",
+    "Guide",
+    "Limits",
+    "Outcome",
+    "Solution",
+    "Solver",
+    "cutoff_below",
+    "relative_gap",
+]
 
 Guide = Callable[[], Indices | None]
 """Proposes one alternative per avoidance, or None, from knowledge that solvers do not have."""
@@ -120,9 +129,9 @@ class Solution:
 _LEAST_SCALE = 1e-9
 """Costs below this count as this in relative gaps: a plan may cost nothing."""
 
-_HAIR = 1e-6
-"""Share of the gap by which the cutoff lies inside it [-], so that a node cut off counts as within
-the gap whatever rounding does."""
+INSIDE = 1.0 - 1e-6
+"""Share of the gap at which the cutoff lies [-]: a node cut off counts as within the gap whatever
+rounding does."""
 
 
 def relative_gap(cost: float, bound: float) -> float:
@@ -154,7 +163,7 @@ def cutoff_below(value: float, gap: float, scale: float = _LEAST_SCALE) -> float
     scale : float
         Values below this count as this.
     """
-    return value - gap * (1.0 - _HAIR) * max(abs(value), scale)
+    return value - gap * INSIDE * max(abs(value), scale)
 
 
 class Solver(ABC):

@@ -1,5 +1,6 @@
 #include "arrays.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct {
@@ -54,6 +55,31 @@ PyObject *arrays_refuse(Arrays *arrays, const char *what) {
 PyObject *arrays_no_memory(Arrays *arrays) {
     arrays_release(arrays);
     return PyErr_NoMemory();
+}
+
+int numbers_read(Numbers *numbers, PyObject *tuple, int limit) {
+    Py_ssize_t count = PyTuple_Size(tuple);
+    if (count < 0) return 0;
+    if (count > numbers->room) {
+        int *larger = realloc(numbers->values, (size_t)count * 2 * sizeof *larger);
+        if (!larger) {
+            PyErr_NoMemory();
+            return 0;
+        }
+        numbers->values = larger;
+        numbers->room = (int)count * 2;
+    }
+    for (Py_ssize_t i = 0; i < count; i++) {
+        long number = PyLong_AsLong(PyTuple_GetItem(tuple, i));
+        if (number == -1 && PyErr_Occurred()) return 0;
+        if (number < 0 || number >= limit) {
+            PyErr_SetString(PyExc_ValueError, "no such alternative");
+            return 0;
+        }
+        numbers->values[i] = (int)number;
+    }
+    numbers->count = (int)count;
+    return 1;
 }
 
 int are_below(const int *numbers, Py_ssize_t count, int limit) {

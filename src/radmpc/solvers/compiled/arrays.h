@@ -24,6 +24,14 @@ void arrays_release(Arrays *arrays);
 PyObject *arrays_refuse(Arrays *arrays, const char *what);
 PyObject *arrays_no_memory(Arrays *arrays);
 
+/* The integers of a tuple. */
+typedef struct {
+    int *values, count, room;
+} Numbers;
+
+/* Read those of a tuple; 0, with an error, where one is not from 0 to below `limit`. */
+int numbers_read(Numbers *numbers, PyObject *tuple, int limit);
+
 int are_below(const int *numbers, Py_ssize_t count, int limit);
 
 #endif

@@ -128,8 +128,7 @@ static PyObject *point(PyObject *self, PyObject *into) {
     Py_RETURN_NONE;
 }
 
-static PyObject *basis(PyObject *self, PyObject *Py_UNUSED(nothing)) {
-    Lp *lp = program_of(self);
+PyObject *basis_of(const Lp *lp) {
     PyObject *bytes = PyBytes_FromStringAndSize(NULL, 2 * (Py_ssize_t)lp->size * (Py_ssize_t)sizeof(int));
     if (!bytes) return NULL;
     size_t half = (size_t)lp->size * sizeof(int);
@@ -138,19 +137,26 @@ static PyObject *basis(PyObject *self, PyObject *Py_UNUSED(nothing)) {
     return bytes;
 }
 
-static PyObject *begin_with(PyObject *self, PyObject *bytes) {
-    Lp *lp = program_of(self);
+static PyObject *basis(PyObject *self, PyObject *Py_UNUSED(nothing)) { return basis_of(program_of(self)); }
+
+int basis_begin(Lp *lp, PyObject *bytes) {
     char *data;
     Py_ssize_t length;
-    if (PyBytes_AsStringAndSize(bytes, &data, &length) < 0) return NULL;
+    if (PyBytes_AsStringAndSize(bytes, &data, &length) < 0) return 0;
     int size = (int)(length / (2 * (Py_ssize_t)sizeof(int)));
     const int *rows = (const int *)(const void *)data, *columns = rows + size;
     if (length % (2 * (Py_ssize_t)sizeof(int)) || !are_below(rows, size, lp->num_rows) ||
         !are_below(columns, size, lp->num_columns)) {
         PyErr_SetString(PyExc_ValueError, "no basis of this program");
-        return NULL;
+        return 0;
     }
-    if (!lp_begin_with(lp, size, rows, columns)) return PyErr_NoMemory();
+    if (lp_begin_with(lp, size, rows, columns)) return 1;
+    PyErr_NoMemory();
+    return 0;
+}
+
+static PyObject *begin_with(PyObject *self, PyObject *bytes) {
+    if (!basis_begin(program_of(self), bytes)) return NULL;
     Py_RETURN_NONE;
 }
 

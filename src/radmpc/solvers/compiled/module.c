@@ -10,7 +10,7 @@ static int add_type(PyObject *module, const char *name, PyObject *type) {
 
 static int begin_module(PyObject *module) {
     return add_type(module, "Program", program_type()) || add_type(module, "Ratings", ratings_type()) ||
-                   add_type(module, "RiskRows", risk_rows_type())
+                   add_type(module, "RiskRows", risk_rows_type()) || add_type(module, "Nodes", nodes_type())
                ? -1
                : 0;
 }

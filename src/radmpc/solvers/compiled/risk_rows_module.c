@@ -11,7 +11,7 @@ typedef struct {
     RiskRows rows;
     PyObject *program, *ratings;
     Arrays arrays;
-    int *alternatives, room;
+    Numbers alternatives;
 } RiskRowsObject;
 
 static RiskRows *rows_of(PyObject *self) { return &((RiskRowsObject *)self)->rows; }
@@ -79,7 +79,7 @@ static void rows_dealloc(PyObject *self) {
     RiskRowsObject *object = (RiskRowsObject *)self;
     risk_rows_release(&object->rows);
     arrays_release(&object->arrays);
-    free(object->alternatives);
+    free(object->alternatives.values);
     Py_XDECREF(object->program);
     Py_XDECREF(object->ratings);
     freefunc let_go = (freefunc)PyType_GetSlot(type, Py_tp_free);
@@ -87,39 +87,14 @@ static void rows_dealloc(PyObject *self) {
     Py_DECREF(type);
 }
 
-/* Read a tuple of alternatives; -1, with an error, where it is none. */
-static int read_alternatives(RiskRowsObject *object, PyObject *tuple) {
-    Py_ssize_t count = PyTuple_Size(tuple);
-    if (count < 0) return -1;
-    if (count > object->room) {
-        int *larger = realloc(object->alternatives, (size_t)count * 2 * sizeof *larger);
-        if (!larger) {
-            PyErr_NoMemory();
-            return -1;
-        }
-        object->alternatives = larger;
-        object->room = (int)count * 2;
-    }
-    for (Py_ssize_t i = 0; i < count; i++) {
-        long alternative = PyLong_AsLong(PyTuple_GetItem(tuple, i));
-        if (alternative == -1 && PyErr_Occurred()) return -1;
-        if (alternative < 0 || alternative >= object->rows.ratings->num_alternatives) {
-            PyErr_SetString(PyExc_ValueError, "no such alternative");
-            return -1;
-        }
-        object->alternatives[i] = (int)alternative;
-    }
-    return (int)count;
-}
-
 static PyObject *activate(PyObject *self, PyObject *args) {
     PyObject *tuple;
     int crowd, crowd_each;
     if (!PyArg_ParseTuple(args, "Oii", &tuple, &crowd, &crowd_each)) return NULL;
     RiskRowsObject *object = (RiskRowsObject *)self;
-    int count = read_alternatives(object, tuple);
-    if (count < 0) return NULL;
-    int done = risk_rows_activate(&object->rows, count, object->alternatives, crowd, crowd_each);
+    const Numbers *chosen = &object->alternatives;
+    if (!numbers_read(&object->alternatives, tuple, object->rows.ratings->num_alternatives)) return NULL;
+    int done = risk_rows_activate(&object->rows, chosen->count, chosen->values, crowd, crowd_each);
     return done < 0 ? PyErr_NoMemory() : PyBool_FromLong(done);
 }
 
@@ -155,5 +130,11 @@ static PyType_Slot slots[] = {
 static PyType_Spec spec = {
     "radmpc.solvers._compiled.RiskRows", sizeof(RiskRowsObject), 0, Py_TPFLAGS_DEFAULT, slots,
 };
+
+RiskRows *risk_rows_in(PyObject *object) {
+    if (PyType_GetSlot(Py_TYPE(object), Py_tp_dealloc) == (void *)rows_dealloc) return rows_of(object);
+    PyErr_SetString(PyExc_TypeError, "expected RiskRows");
+    return NULL;
+}
 
 PyObject *risk_rows_type(void) { return PyType_FromSpec(&spec); }

@@ -10,12 +10,12 @@ from radmpc.solvers import _compiled
 from radmpc.solvers.lp.bounded_lp import BoundedLp, floats
 from radmpc.solvers.lp.outcome import LpOutcome, Numbers
 
-__all__ = ["SimplexLp"]
+__all__ = ["LEAST_PIVOTS", "PIVOTS", "SimplexLp"]
 
 _FEASIBILITY_TOL = 1e-9
 """Primal and dual feasibility tolerance [m, m/s, cost], that of HiGHS (`quiet_highs`)."""
 
-_LEAST_PIVOTS, _PIVOTS = 500, 3
+LEAST_PIVOTS, PIVOTS = 500, 3
 """Pivots after which a solve is left to HiGHS [-], and how many more per row and column: no solve
 of the benchmark families took a tenth of it."""
 
@@ -63,10 +63,21 @@ class SimplexLp(BoundedLp):
         """
         self.solves += 1
         self._point = None
-        most = _LEAST_PIVOTS + _PIVOTS * (self.num_rows + self.num_columns)
+        most = LEAST_PIVOTS + PIVOTS * (self.num_rows + self.num_columns)
         number, bound = self.compiled.solve(cutoff, most)
         outcome = _OUTCOMES[number]
         return self._by_highs(cutoff) if outcome is LpOutcome.FAILED else (outcome, bound)
+
+    def note(self, solves: int) -> None:
+        """Take note of solves that compiled code did by itself.
+
+        Parameters
+        ----------
+        solves : int
+            How many.
+        """
+        self.solves += solves
+        self._point = None
 
     def _by_highs(self, cutoff: float) -> tuple[LpOutcome, float]:
         """Solve a copy by HiGHS."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Indices
+from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.compiled_code import is_compiled
 from radmpc.solvers.priced.rating import Rater, Rating
@@ -16,11 +16,11 @@ from radmpc.solvers.priced.tuning import TUNING
 if is_compiled():
     from radmpc.solvers import _compiled
 
-__all__ = ["BranchingChoice"]
+__all__ = ["FACTORS", "BranchingChoice"]
 
 _INF = float("inf")
 
-_FACTORS = np.array([TUNING.second_weight, TUNING.missing_factor, TUNING.missing_length])
+FACTORS = np.array([TUNING.second_weight, TUNING.missing_factor, TUNING.missing_length])
 """As compiled code takes them (`choose_avoidance`)."""
 
 
@@ -33,25 +33,34 @@ class BranchingChoice:
         The program.
     rater : Rater
         The same, laid out for rating.
+
+    Attributes
+    ----------
+    owners : (a,) int array
+        The avoidance of each alternative.
+    is_refined : (a,) bool array
+        Whether others refine it.
+    weights : (v,) array
+        How often alternatives of an avoidance ended a branch, and one more [-].
     """
 
     def __init__(self, program: DisjunctiveProgram, rater: Rater) -> None:
         self._table = rater.table
-        self._weights = np.ones(program.num_avoidances)
-        self._owner = program.layout.owners
+        self.weights = np.ones(program.num_avoidances)
+        self.owners = program.layout.owners
         parents = program.parents
         self._parents: Indices = (
             np.full(program.num_alternatives, -1) if parents is None else parents
         )
         # One number of an array costs more than one of a view.
-        self._owners, self._outer = self._owner.data, self._parents.data
-        self._is_refined = np.zeros(program.num_alternatives, dtype=bool)
-        self._is_refined[self._parents[self._parents >= 0]] = True
+        self._owners, self._outer = self.owners.data, self._parents.data
+        self.is_refined = np.zeros(program.num_alternatives, dtype=bool)
+        self.is_refined[self._parents[self._parents >= 0]] = True
         self._steps: dict[tuple[int, int], list[int]] = {}
 
     def failed(self, alternative: int) -> None:
         """Note that choosing an alternative ended a branch."""
-        self._weights[self._owner[alternative]] += 1.0
+        self.weights[self.owners[alternative]] += 1.0
 
     def most_promising(
         self, chosen: Sequence[int], rating: Rating, *, has_plan: bool
@@ -77,11 +86,11 @@ class BranchingChoice:
             return None, False
         is_decided = np.zeros(rating.cheapest.size, dtype=bool)
         decided = np.array(chosen, dtype=np.int64)
-        is_decided[self._owner[decided[~self._is_refined[decided]]]] = True
+        is_decided[self.owners[decided[~self.is_refined[decided]]]] = True
         # Without a solution, what failed often fails early: begin there (Boussemart 2004).
         by_weight = not has_plan or rating.short.shape[1] == 1
         if is_compiled():
-            parts = rating.short, rating.cheapest, is_decided, self._weights, _FACTORS
+            parts = rating.short, rating.cheapest, is_decided, self.weights, FACTORS
             worst, is_blunt = _compiled.choose_avoidance(*parts, by_weight)
             return (worst if worst >= 0 else None), bool(is_blunt)
         return self._worst(~is_decided, rating, by_weight=by_weight)
@@ -97,7 +106,7 @@ class BranchingChoice:
             worst = int(risks.argmax())
             return (worst if risks[worst] > 0.0 else None), False
         if by_weight:
-            return int(violated[(least[violated] * self._weights[violated]).argmax()]), True
+            return int(violated[(least[violated] * self.weights[violated]).argmax()]), True
         nearest = np.partition(rating.short[violated], 1, axis=1)[:, :2]
         second = np.where(
             np.isfinite(nearest[:, 1]),
@@ -106,9 +115,7 @@ class BranchingChoice:
         )
         return int(violated[(nearest[:, 0] + TUNING.second_weight * second).argmax()]), True
 
-    def alternatives(
-        self, avoidance: int, chosen: Sequence[int], rating: Rating
-    ) -> tuple[int, ...]:
+    def alternatives(self, avoidance: int, chosen: Sequence[int], short: Vector) -> tuple[int, ...]:
         """Return the alternatives of an avoidance to choose from, the one violated least first.
 
         Where one is chosen that others refine, these; otherwise those that refine no other.
@@ -119,8 +126,8 @@ class BranchingChoice:
             Its number.
         chosen : sequence of int
             The node's alternatives.
-        rating : Rating
-            Of the node's point.
+        short : (w,) array
+            By how much each of its alternatives misses the reference clearance [m].
         """
         outer = -1
         for alternative in chosen:
@@ -131,7 +138,7 @@ class BranchingChoice:
         if steps is None:
             every = self._table[avoidance].tolist()
             steps = self._steps[avoidance, outer] = [self._step_to(a, outer) for a in every]
-        missed = rating.short[avoidance].tolist()
+        missed = short.tolist()
         # By what is missed alone: where two miss as much, the first stays first.
         order = sorted(range(len(missed)), key=missed.__getitem__)
         found = dict.fromkeys(steps[k] for k in order if missed[k] < _INF)

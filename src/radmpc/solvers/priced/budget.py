@@ -7,9 +7,8 @@ unit, which the linear programs keep anyway, and the price only breaks ties.
 
 from __future__ import annotations
 
-from radmpc.arrays import Vector
-from radmpc.solvers.priced.rating import Rating
 from radmpc.solvers.priced.tree import RiskTree
+from radmpc.solvers.priced.value import Precision
 
 __all__ = ["OVER", "BudgetTree"]
 
@@ -24,16 +23,13 @@ otherwise."""
 class BudgetTree(RiskTree):
     """The search for the least cost within a budget; see `RiskTree`, whose unit is the budget."""
 
-    rounds = 60
-    """Times that a node's linear program is solved at most: a hard budget takes more tangents."""
+    @classmethod
+    def precision(cls, gap: float, scale: float) -> Precision:
+        """Return how exact it is: a hard budget takes more tangents.
 
-    def _worth(self, z: Vector, rating: Rating) -> float:
-        """Return a point's value; inf beyond the budget."""
-        return float("inf") if rating.risk > (1.0 + OVER) * self.unit else super()._worth(z, rating)
-
-    def _refine(self, point: Vector, rating: Rating, tolerance: float) -> bool:
-        """Add tangents where a point within the budget by them is beyond it in truth."""
-        if super()._refine(point, rating, tolerance):
-            return True
-        is_beyond = rating.risk > (1.0 + OVER) * self.unit
-        return is_beyond and self.lp.refine(rating, point, _MISSING)
+        Parameters
+        ----------
+        gap, scale : float
+            As in `Precision`.
+        """
+        return Precision(gap, scale, rounds=60, most_units=1.0 + OVER, missing=_MISSING)

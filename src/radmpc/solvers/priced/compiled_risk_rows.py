@@ -31,18 +31,29 @@ class CompiledRiskRows(RiskRows):
     def __init__(self, around: Surroundings, rater: Rater) -> None:
         self._around, self._rater = around, rater
 
+    @property
+    def lp(self) -> SimplexLp:
+        """What rows are added to."""
+        lp = self._around.lp
+        assert isinstance(lp, SimplexLp)
+        return lp
+
+    @property
+    def crowd(self) -> int:
+        """Rows beyond which those switched off are dropped [-]."""
+        return self._around.crowd
+
     @cached_property
-    def _rows(self) -> _compiled.RiskRows:
+    def compiled(self) -> _compiled.RiskRows:
         """The rows, laid out when first needed."""
         around, first = self._around, self._rater.tangents.first
-        program, unit, lp = around.program, around.unit, around.lp
-        assert isinstance(lp, SimplexLp)
+        program, unit = around.program, around.unit
         num_blocks = int(program.blocks.max(initial=0)) + 1
         has_block = np.zeros((len(around.bound_rows), num_blocks), dtype=bool)
         for bound, (blocks, _) in enumerate(around.bound_rows):
             has_block[bound, list(blocks)] = True
         return _compiled.RiskRows(
-            lp.compiled,
+            self.lp.compiled,
             self._rater.compiled,
             floats(program.rows.deviations),
             program.blocks.astype(np.int32),
@@ -68,7 +79,7 @@ class CompiledRiskRows(RiskRows):
         alternatives : tuple of int
             Their numbers.
         """
-        return self._rows.activate(alternatives, TUNING.crowd, TUNING.crowd_each)
+        return self.compiled.activate(alternatives, self.crowd, TUNING.crowd_each)
 
     def refine(self, rating: Rating, point: Vector, tolerance: float) -> bool:
         """Add tangents where risk is underestimated, see `RiskRows.refine`.
@@ -82,4 +93,4 @@ class CompiledRiskRows(RiskRows):
         tolerance : float
             Share of the unit by which risks may be underestimated in all [-].
         """
-        return self._rows.refine(rating.clearances, point, tolerance)
+        return self.compiled.refine(rating.clearances, point, tolerance)

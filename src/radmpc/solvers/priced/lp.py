@@ -26,6 +26,7 @@ from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.priced.numpy_risk_rows import NumpyRiskRows
 from radmpc.solvers.priced.rating import Rater, Rating
 from radmpc.solvers.priced.risk_rows import RiskRows, Surroundings
+from radmpc.solvers.priced.tuning import TUNING
 
 if is_compiled():
     from radmpc.solvers.priced.compiled_risk_rows import CompiledRiskRows
@@ -80,6 +81,12 @@ class RiskLp:
         Most that one row may risk.
     floor : float
         The clearance that this leaves [standard deviations].
+    rater : Rater
+        The program laid out for rating.
+    rows : RiskRows
+        The chance rows seen so far.
+    starts : int
+        How often it was loaded.
     dropped_solves : int
         Linear programs solved before rows were dropped.
     """
@@ -97,12 +104,12 @@ class RiskLp:
         self.price = price
         # A rater made for another unit or program has other tangents.
         is_same = rater is not None and rater.unit == unit and rater.program.rows is program.rows
-        self._rater = rater if rater is not None and is_same else Rater(program, unit)
-        self.row_cap = self._rater.row_cap
-        self.floor = self._rater.tangents.floor
+        self.rater = rater if rater is not None and is_same else Rater(program, unit)
+        self.row_cap = self.rater.row_cap
+        self.floor = self.rater.tangents.floor
         self._row_scale = 1.0 if price <= _DEAR else _DEAR / price
         self.dropped_solves = 0
-        self._starts = 0
+        self.starts = 0
         self._bounds = tuple(sorted(bounds, key=lambda b: (len(b.blocks), sorted(b.blocks))))
         self._start()
 
@@ -114,16 +121,16 @@ class RiskLp:
     def _start(self) -> None:
         """Load columns, hard rows and proven bounds; no chance row yet."""
         program = self.program
-        self._starts += 1
+        self.starts += 1
         self._lp = bounded_lp(program.cost, program.lower, program.upper)
         self._lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
         # No plan risks more than the whole unit, whatever the price.
         budget_row = self._lp.add_row(np.zeros(0, dtype=np.int32), np.zeros(0), -_INF, 1.0)
         bound_rows = self._add_bounds(budget_row)
-        around = Surroundings(
-            self._lp, program, self.unit, self.price, self._row_scale, budget_row, bound_rows
-        )
-        self._rows = _risk_rows(around, self._rater)
+        crowd = max(TUNING.crowd, TUNING.crowd_share * self._lp.num_rows)
+        costs = self.unit, self.price, self._row_scale
+        around = Surroundings(self._lp, program, *costs, budget_row, bound_rows, crowd)
+        self.rows = _risk_rows(around, self.rater)
 
     def _add_bounds(self, budget_row: int) -> tuple[tuple[frozenset[int], int], ...]:
         """Load proven bounds; return their blocks and rows."""
@@ -161,11 +168,15 @@ class RiskLp:
         alternatives : tuple of int
             Their numbers.
         """
-        if not self._rows.activate(alternatives):
+        if not self.rows.activate(alternatives):
             # Rows switched off still cost time in every pivot: begin again without them.
-            self.dropped_solves += self._lp.solves
-            self._start()
-            self._rows.activate(alternatives)
+            self.restart()
+            self.rows.activate(alternatives)
+
+    def restart(self) -> None:
+        """Begin again without any chance row."""
+        self.dropped_solves += self._lp.solves
+        self._start()
 
     def refine(self, rating: Rating, point: Vector, tolerance: float) -> bool:
         """Add tangents where the risk of the rows switched on is underestimated.
@@ -184,7 +195,7 @@ class RiskLp:
         bool
             Whether any was added.
         """
-        return self._rows.refine(rating, point, tolerance)
+        return self.rows.refine(rating, point, tolerance)
 
     def solve(self, cutoff: float = _INF) -> tuple[LpOutcome, float]:
         """Minimize over the active rows; see `BoundedLp.solve`."""
@@ -192,7 +203,7 @@ class RiskLp:
 
     def basis(self) -> Basis:
         """Return where the last solve ended."""
-        return self._starts, self._lp.basis()
+        return self.starts, self._lp.basis()
 
     def begin_with(self, basis: Basis) -> None:
         """Begin the next solve where another one ended, unless rows were dropped since.
@@ -203,7 +214,7 @@ class RiskLp:
             From `basis`.
         """
         starts, vertex = basis
-        if starts == self._starts:
+        if starts == self.starts:
             self._lp.begin_with(vertex)
 
     def point(self) -> Vector:

@@ -3,14 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from enum import IntEnum
 
 from radmpc.arrays import Indices, Vector
 from radmpc.solvers.diving import OpenNode
 
-__all__ = ["Frontier", "Incumbent", "Node"]
+__all__ = ["Frontier", "Incumbent", "Node", "NodeState"]
 
 Frontier = tuple[tuple[float, tuple[int, ...]], ...]
 """Nodes of a search: a lower bound each, and the alternatives chosen."""
+
+
+class NodeState(IntEnum):
+    """What became of a node, by the numbers of compiled code (`compiled/node.h`).
+
+    OPEN: it is branched on. PARKED: nothing below it matters now. DROPPED: there is nothing below
+    it. CROWDED: nothing was done, as there are too many rows. UNSOLVED: a linear program that
+    matters was not solved.
+    """
+
+    OPEN = 0
+    PARKED = 1
+    DROPPED = 2
+    CROWDED = 3
+    UNSOLVED = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)

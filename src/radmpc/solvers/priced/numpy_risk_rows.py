@@ -60,7 +60,7 @@ class NumpyRiskRows(RiskRows):
             Their numbers.
         """
         target = {row for chosen in alternatives for row in self._tangents.rows_of[chosen]}
-        if self._lp.num_rows > TUNING.crowd + TUNING.crowd_each * len(target):
+        if self._lp.num_rows > self._around.crowd + TUNING.crowd_each * len(target):
             return False
         numbers: list[int] = []
         lowers: list[float] = []

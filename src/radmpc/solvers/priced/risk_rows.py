@@ -40,6 +40,9 @@ class Surroundings:
         The row that keeps all risk within the unit.
     bound_rows : tuple of (frozenset of int, int)
         Proven bounds: blocks, and the row that says so.
+    crowd : int
+        Rows beyond which those switched off are dropped [-], beside some per active row. More than
+        there are without chance rows: else none could ever be switched on.
     """
 
     lp: BoundedLp
@@ -49,6 +52,7 @@ class Surroundings:
     row_scale: float
     budget_row: int
     bound_rows: tuple[tuple[frozenset[int], int], ...]
+    crowd: int
 
 
 class RiskRows(ABC):

@@ -18,14 +18,13 @@ from collections.abc import Sequence
 from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.diving import Dives
-from radmpc.solvers.lp.outcome import LpOutcome
-from radmpc.solvers.priced.branching import BranchingChoice
-from radmpc.solvers.priced.lp import RiskLp, SetBound
-from radmpc.solvers.priced.nodes import Frontier, Incumbent, Node
-from radmpc.solvers.priced.rating import Rater, Rating
+from radmpc.solvers.priced.lp import SetBound
+from radmpc.solvers.priced.node_solver import NodeSolver
+from radmpc.solvers.priced.nodes import Frontier, Incumbent, Node, NodeState
+from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.priced.tuning import TUNING
-from radmpc.solvers.priced.value import negligible_difference, priced_value
-from radmpc.solvers.solution import Limits, cutoff_below
+from radmpc.solvers.priced.value import Precision
+from radmpc.solvers.solution import Limits
 
 __all__ = ["RiskTree"]
 
@@ -56,10 +55,6 @@ class RiskTree:
 
     Attributes
     ----------
-    best : Incumbent or None
-        The best solution at the present price.
-    value : float
-        Its cost with its risk at the price; inf without one.
     bound : float
         Proven lower bound of the value; inf where there is no solution at any price.
     nodes : int
@@ -67,9 +62,6 @@ class RiskTree:
     is_limited : bool
         Whether a limit ended the last run, or a linear program that matters was not solved.
     """
-
-    rounds = 8
-    """Times that a node's linear program is solved at most, with ever more tangents."""
 
     def __init__(
         self,
@@ -86,38 +78,47 @@ class RiskTree:
         self.program = program
         self.unit = unit
         self.price = price
-        self.gap = gap
-        self.scale = scale
         self.limits = limits
-        self.best: Incumbent | None = None
-        self.value = _INF
         self.bound = -_INF
         self.nodes = 0
         self.is_limited = False
         self.rater = Rater(program, unit) if rater is None else rater
-        self._bounds = tuple(bounds)
-        self._lp: RiskLp | None = None
+        precision = self.precision(gap, scale)
+        self._solver = NodeSolver(program, self.rater, unit, price, bounds, precision)
         self._open: Dives[Node] = Dives(TUNING.patience)
         self._parked: list[Node] = []
         self._unsolved: list[Node] = []
         self._created = 0
-        self._choice = BranchingChoice(program, self.rater)
         if self.rater.is_infeasible:
             self.bound = _INF
         else:
             self._open.open(self._node(-_INF, ()))
 
+    @classmethod
+    def precision(cls, gap: float, scale: float) -> Precision:
+        """Return how exact it is.
+
+        Parameters
+        ----------
+        gap, scale : float
+            As in `Precision`.
+        """
+        return Precision(gap, scale)
+
     @property
-    def lp(self) -> RiskLp:
-        """The linear program, loaded when first needed."""
-        if self._lp is None:
-            self._lp = RiskLp(self.program, self.unit, self.price, self._bounds, self.rater)
-        return self._lp
+    def best(self) -> Incumbent | None:
+        """The best solution at the price."""
+        return self._solver.best
+
+    @property
+    def value(self) -> float:
+        """Its cost with its risk at the price; inf without one."""
+        return self._solver.value
 
     @property
     def lps(self) -> int:
         """Linear programs solved."""
-        return 0 if self._lp is None else self._lp.solves
+        return self._solver.lps
 
     @property
     def frontier(self) -> Frontier:
@@ -153,12 +154,11 @@ class RiskTree:
             lower = bound if share == 1.0 else share * bound + (1.0 - share) * base
             self._open.open(self._node(lower, chosen))
         if best is not None:
-            self.best = best
-            self.value = best.cost + self.price * best.risk / self.unit
+            self._solver.begin_with(best)
 
     def consider(self, z: Vector) -> None:
         """Make an incumbent of a point that keeps the hard rows."""
-        self._note(z, self.rater.rate(z))
+        self._solver.note(z, self.rater.rate(z))
 
     def run(self, max_nodes: int) -> None:
         """Dive from the best open node until none can improve on the incumbent.
@@ -169,7 +169,7 @@ class RiskTree:
         self.is_limited = False
         while not self.is_limited:
             top = self._open.best()
-            if top is None or top.bound >= self._cutoff():
+            if top is None or top.bound >= self._solver.cutoff:
                 break
             self.is_limited = self._open.dive(
                 self._expand,
@@ -183,7 +183,7 @@ class RiskTree:
         if top is not None:
             bounds.append(top.bound)
         # Parked where HiGHS failed, a node is work left over unless its bound is good enough.
-        self.is_limited |= any(node.bound < self._cutoff() for node in self._unsolved)
+        self.is_limited |= any(node.bound < self._solver.cutoff for node in self._unsolved)
         # The incumbent is below no node's bound by more than rounding.
         self.bound = min([*bounds, self.value])
 
@@ -197,7 +197,7 @@ class RiskTree:
             self._solve(node)
         children = []
         for alternative in node.alternatives:
-            child = self._node(node.bound, self._choice.replaced(node.chosen, alternative))
+            child = self._node(node.bound, self._solver.choice.replaced(node.chosen, alternative))
             child.basis = node.basis
             if self.limits.reached:
                 # A linear program may take half a second: no other is begun.
@@ -216,75 +216,13 @@ class RiskTree:
         """Solve a node: find the alternatives to branch on, or park it, or drop it."""
         self.nodes += 1
         node.is_solved = True
-        if node.bound < self._cutoff():
-            lp, choice = self.lp, self._choice
-            lp.activate(node.chosen)
-            lp.begin_with(node.basis)
-            for attempt in range(self.rounds):
-                outcome = self._relax(node, lp)
-                if outcome is LpOutcome.INFEASIBLE:
-                    return
-                if outcome is not LpOutcome.OPTIMAL:
-                    self._unsolved += [node] * (outcome is LpOutcome.FAILED)
-                    break
-                point = lp.point()
-                z = point[: self.program.num_columns]
-                rating = self.rater.rate(z)
-                worth = self._note(z, rating)
-                epsilon = negligible_difference(min(worth, self.value), self.gap, self.scale)
-                if worth - node.bound <= epsilon:
-                    break
-                has_plan = self.best is not None
-                avoidance, is_blunt = choice.most_promising(node.chosen, rating, has_plan=has_plan)
-                # Far from any plan, an exact account of the risks chosen so far can wait.
-                tolerance = (3.0 if is_blunt else 0.5) * epsilon
-                is_last = attempt >= (1 if is_blunt else self.rounds - 1)
-                if not is_last and self._refine(point, rating, tolerance):
-                    continue
-                if avoidance is None:
-                    break
-                node.alternatives = choice.alternatives(avoidance, node.chosen, rating)
-                node.basis = lp.basis()
+        if node.bound < self._solver.cutoff:
+            state = self._solver.solve(node)
+            if state in {NodeState.OPEN, NodeState.DROPPED}:
                 return
+            self._unsolved += [node] * (state is NodeState.UNSOLVED)
         node.is_open = True
         self._parked.append(node)
-
-    def _relax(self, node: Node, lp: RiskLp) -> LpOutcome:
-        """Solve a node's linear program and raise its bound; cut off where it cannot matter."""
-        cutoff = self._cutoff()
-        # A little beyond the cutoff, so that the bound still serves at a higher price.
-        outcome, bound = lp.solve(cutoff + TUNING.headroom * abs(cutoff))
-        if outcome is not LpOutcome.OPTIMAL and node.chosen:
-            self._choice.failed(node.chosen[-1])
-        node.bound = max(node.bound, bound)
-        if outcome is LpOutcome.OPTIMAL and node.bound >= cutoff:
-            return LpOutcome.CUTOFF
-        return outcome
-
-    def _refine(self, point: Vector, rating: Rating, tolerance: float) -> bool:
-        """Add tangents where the chosen rows' risk is underestimated; tell whether any was."""
-        # What risk is worth nothing may be underestimated.
-        return self.price > 0.0 and self.lp.refine(rating, point, tolerance / self.price)
-
-    def _worth(self, z: Vector, rating: Rating) -> float:
-        """Return a point's value; inf where it is no candidate."""
-        row_cap = self.rater.row_cap
-        return priced_value(
-            self.program, z, rating, unit=self.unit, price=self.price, row_cap=row_cap
-        )
-
-    def _note(self, z: Vector, rating: Rating) -> float:
-        """Keep a point if it is the best; return its value."""
-        value = self._worth(z, rating)
-        if value < self.value:
-            cost = float(self.program.cost @ z)
-            self.best = Incumbent(z, rating.selection, cost, rating.risk)
-            self.value = value
-        return value
-
-    def _cutoff(self) -> float:
-        """Return the value from which on a node cannot matter."""
-        return _INF if self.best is None else cutoff_below(self.value, self.gap, self.scale)
 
     def _node(self, bound: float, chosen: tuple[int, ...]) -> Node:
         """Return a new node."""

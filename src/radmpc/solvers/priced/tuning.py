@@ -42,9 +42,10 @@ class Tuning:
     first_tangents : tuple of float
         Clearances of a row's first tangents, beside that at its cap [standard deviations]: optimal
         plans of few vehicles keep near these.
-    crowd, crowd_each : int
-        Rows beyond which switched-off ones are dropped [-], and how many more per active row: more
-        are idle in every pivot, fewer are loaded anew more often. Larger pools were slower.
+    crowd, crowd_share, crowd_each : int
+        Rows beyond which switched-off ones are dropped [-], at least so many times those that a
+        program has without chance rows, and how many more per active row: more are idle in every
+        pivot, fewer are loaded anew more often. Larger pools were slower.
     rough_gap : float
         Relative gap at which the search for one group of blocks stops [-]: the whole is not optimal
         in any case, and smaller gaps take nodes from other groups.
@@ -78,6 +79,7 @@ class Tuning:
     overdrawn: float = 1.2
     first_tangents: tuple[float, ...] = (2.1, 2.6, 3.1)
     crowd: int = 400
+    crowd_share: int = 2
     crowd_each: int = 12
     rough_gap: float = 5e-3
     nodes_around: int = 60

@@ -4,14 +4,41 @@ from __future__ import annotations
 
 from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass
 from radmpc.solvers.priced.rating import Rating
 from radmpc.solvers.priced.tuning import TUNING
 
-__all__ = ["negligible_difference", "priced_value"]
+__all__ = ["ROUNDING", "Precision", "negligible_difference", "priced_value"]
 
-_ROUNDING = 1e-6
+ROUNDING = 1e-6
 """How far a row held at its cap may exceed it by the linear solver's tolerance [-]. Such a point
 is a candidate at a price only: its risks are rescaled to the bound exactly afterwards."""
+
+
+@dataclass(frozen=True, slots=True)
+class Precision:
+    """How exact a search is.
+
+    Attributes
+    ----------
+    gap : float
+        Relative gap at which it stops [-].
+    scale : float
+        Values below this count as this in relative gaps.
+    rounds : int
+        Times that a node's linear program is solved at most, with ever more tangents [-].
+    most_units : float
+        Units of risk that a candidate may run in all [-].
+    missing : float
+        Units by which the risk of chosen rows may be underestimated where a point is beyond that
+        in truth [-]; more tangents otherwise. inf is as elsewhere.
+    """
+
+    gap: float
+    scale: float
+    rounds: int = 8
+    most_units: float = TUNING.overdrawn
+    missing: float = float("inf")
 
 
 def priced_value(
@@ -22,6 +49,7 @@ def priced_value(
     unit: float,
     price: float,
     row_cap: float,
+    most_units: float = TUNING.overdrawn,
 ) -> float:
     """Return ``cost(z) + price · risk(z) / unit``; inf where z is no candidate.
 
@@ -39,15 +67,17 @@ def priced_value(
         Cost of one unit of risk.
     row_cap : float
         Most that one row may risk.
+    most_units : float
+        Units of risk that a candidate may run in all [-].
 
     Returns
     -------
     float
         inf where one row, or all together, exceed what they may risk by far.
     """
-    if rating.largest > row_cap * (1.0 + _ROUNDING):
+    if rating.largest > row_cap * (1.0 + ROUNDING):
         return float("inf")
-    if rating.risk > TUNING.overdrawn * unit:
+    if rating.risk > most_units * unit:
         return float("inf")
     return float(program.cost @ z) + price * rating.risk / unit
 

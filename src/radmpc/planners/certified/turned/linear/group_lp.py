@@ -83,8 +83,8 @@ class GroupLp:
         members = [member_of(model) for model in self._models]
         widths = [one.rows.width for one in members]
         self._lp.add_columns(*_joined((one.cost, one.lower, one.upper) for one in members))
-        bounds = _joined((one.row_lower, one.row_upper) for one in members)
-        self._lp.add_rows(diagonal_rows([one.rows for one in members]), *bounds)
+        least, most = _joined((one.row_lower, one.row_upper) for one in members)
+        self._lp.add_rows(diagonal_rows([one.rows for one in members]), least, most)
         return np.cumsum([0, *widths[:-1]])
 
     @property
