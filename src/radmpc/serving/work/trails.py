@@ -7,16 +7,21 @@ nothing with the bounds of the certificate.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.special import betaincinv
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.geometry.polytope import Polytope
+from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
+from radmpc.model.relations.keep import keep_pairs
+from radmpc.model.scenario import Scenario, Workspace
 from radmpc.records import dataclass, field
-from radmpc.referee.simulation.flight import Chunk, SampledFleet
+from radmpc.referee.simulation.flight import Chunk
 from radmpc.referee.simulation.preparation import prepare
-from radmpc.referee.simulation.watch import OBSTACLE, PAIR, Watch
+from radmpc.referee.simulation.watch import OBSTACLE, PAIR, RANGE, Watch
 from radmpc.serving.protocol import Collision, Trail, TrailsView
 from radmpc.serving.views.numbers import Rounding, extent_of
 from radmpc.serving.work.control import Control
@@ -82,6 +87,14 @@ class _Remembered(Chunk):
         rows = self.flight.position_rows
         strays = np.array([state[:, sample][rows] for state in self.states])
         return np.asarray(self.flight.motion.positions + strays.transpose(1, 0, 2))
+
+    def strays(self, obstacle: int, sample: int) -> Matrix:
+        """Return how far an obstacle is from where it is expected, (T+1, d) [m]."""
+        starts, dimension = self.flight.sampler.track_starts, self.flight.scenario.dimension
+        if not starts.size or starts[obstacle] < 0:
+            return np.zeros((len(self.states), dimension))
+        rows = starts[obstacle] + np.arange(dimension)
+        return np.array([state[rows, sample] for state in self.states])
 
 
 def trails_of(control: Control, plan: Plan, number: str, flights: int, seed: int) -> TrailsView:
@@ -151,51 +164,85 @@ def _trail(chunk: _Remembered, sample: int, rounding: Rounding) -> Trail:
     hit = chunk.met.get(sample)
     return {
         "paths": [rounding.points(path) for path in paths],
-        "collision": None if hit is None else _collision(chunk.flight, paths, hit, rounding),
+        "collision": None if hit is None else _collision(chunk, sample, paths, hit, rounding),
     }
 
 
-def _collision(flight: SampledFleet, paths: Tensor, hit: _Hit, rounding: Rounding) -> Collision:
+def _collision(
+    chunk: _Remembered, sample: int, paths: Tensor, hit: _Hit, rounding: Rounding
+) -> Collision:
     """Return where and when a mission collides, and of whom with what."""
-    scenario = flight.scenario
-    vehicle = scenario.vehicles[hit.first]
-    share, at = 0.0, paths[hit.first, hit.window]
-    if scenario.avoidance == "intervals":
-        ways = paths[:, hit.window : hit.window + 2]
-        share, at = _contact(flight, ways, hit)
-    names = [vehicle.name]
-    if hit.kind == PAIR:
+    scenario = chunk.flight.scenario
+    names = [scenario.vehicles[hit.first].name]
+    if hit.kind in {PAIR, RANGE}:
         names.append(scenario.vehicles[hit.other].name)
     elif hit.kind == OBSTACLE:
         names.append(scenario.obstacles[hit.other].name)
-    time = (hit.window + share) * scenario.dt
+    # At steps both ends of a window are one.
+    last = hit.window + (scenario.avoidance == "intervals")
+    ends = (hit.window, last)
+    ways = paths[:, ends]
+    if hit.kind == OBSTACLE:
+        # As seen from the obstacle: it stands where it is expected, and the vehicle is off.
+        strays = chunk.strays(hit.other, sample)[list(ends)]
+        share, at = _touch(scenario, ways[hit.first], strays, hit, last)
+    elif hit.kind in {PAIR, RANGE}:
+        share, at = _meeting(scenario, ways, hit)
+    else:
+        share, at = _exit(scenario.workspace, _between(ways[hit.first]))
+    time = (hit.window + share * (last - hit.window)) * scenario.dt
     return {"at": rounding.point(at), "time": round(time, 3), "names": names}
 
 
-def _contact(flight: SampledFleet, ways: Tensor, hit: _Hit) -> tuple[float, Vector]:
-    """Return the share of a window at which something is touched, and where a vehicle then is."""
-    scenario = flight.scenario
+def _between(ends: Matrix) -> Matrix:
+    """Return places on the way from one end to the other, at `_INSTANTS`."""
+    return np.asarray(ends[0] + _INSTANTS[:, None] * (ends[1] - ends[0]))
 
-    def places(i: int) -> Matrix:
-        begin, end = ways[i]
-        return np.asarray(begin + _INSTANTS[:, None] * (end - begin))
 
-    ours = places(hit.first)
-    radius = scenario.vehicles[hit.first].radius
-    if hit.kind == PAIR:
-        theirs = places(hit.other)
-        reach = radius + scenario.vehicles[hit.other].radius
-        apart = np.linalg.norm(ours - theirs, axis=1)
-        when = _first(apart, reach)
-        toward = radius / reach
-        return float(_INSTANTS[when]), ours[when] + toward * (theirs[when] - ours[when])
-    if hit.kind == OBSTACLE:
-        obstacle = scenario.obstacles[hit.other]
-        pieces = obstacle.at(hit.window)
-        heights = [(ours @ p.normals.T - p.offsets).max(axis=1) for p in pieces]
-        when = _first(np.min(heights, axis=0), radius)
+def _meeting(scenario: Scenario, ways: Tensor, hit: _Hit) -> tuple[float, Vector]:
+    """Return when two touch, or lose their range, and where: on the hull, or where the first is."""
+    ours, theirs = _between(ways[hit.first]), _between(ways[hit.other])
+    apart = np.linalg.norm(ours - theirs, axis=1)
+    radii = [scenario.vehicles[i].radius for i in (hit.first, hit.other)]
+    if hit.kind == RANGE:
+        names = [vehicle.name for vehicle in scenario.vehicles]
+        pair = {hit.first, hit.other}
+        within = next(r for i, j, r in keep_pairs(scenario.keep, names) if {i, j} == pair)
+        when = _first(-apart, -within)
         return float(_INSTANTS[when]), ours[when]
-    workspace = scenario.workspace
+    when = _first(apart, sum(radii))
+    toward = radii[0] / sum(radii)
+    return float(_INSTANTS[when]), ours[when] + toward * (theirs[when] - ours[when])
+
+
+def _touch(
+    scenario: Scenario, way: Matrix, strays: Matrix, hit: _Hit, last: int
+) -> tuple[float, Vector]:
+    """Return when a vehicle touches an obstacle, and where it then is."""
+    obstacle, ours = scenario.obstacles[hit.other], _between(way)
+    seen = ours - _between(strays)
+    heights = [_heights(*ends, seen) for ends in _pieces(obstacle, hit.window, last)]
+    when = _first(np.min(heights, axis=0), scenario.vehicles[hit.first].radius)
+    return float(_INSTANTS[when]), ours[when]
+
+
+def _pieces(obstacle: Obstacle, first: int, last: int) -> Iterator[tuple[Polytope, Polytope]]:
+    """Yield convex pieces of an obstacle as they are at two steps."""
+    return zip(obstacle.at(first), obstacle.at(last), strict=True)
+
+
+def _heights(here: Polytope, there: Polytope, places: Matrix) -> Vector:
+    """Return how far places are above the faces of what moves from here to there [m]."""
+    if here.normals.shape != there.normals.shape or not np.allclose(here.normals, there.normals):
+        # What turns or changes its shape is taken as it is at the nearer step.
+        both = [(places @ p.normals.T - p.offsets).max(axis=1) for p in (here, there)]
+        return np.asarray(np.where(_INSTANTS < 0.5, *both))
+    offsets = _between(np.stack([here.offsets, there.offsets]))
+    return np.asarray((places @ here.normals.T - offsets).max(axis=1))
+
+
+def _exit(workspace: Workspace | None, ours: Matrix) -> tuple[float, Vector]:
+    """Return when a center leaves the workspace, and where."""
     if workspace is None:
         return 0.0, ours[0]
     out = np.maximum(workspace.lower - ours, ours - workspace.upper).max(axis=1)
