@@ -28,7 +28,7 @@ from radmpc.referee import certify
 from radmpc.result import Result
 from radmpc.solvers.solution import Limits, never
 
-__all__ = ["plan", "seconds_allowed", "unjudged_plan"]
+__all__ = ["check_takes", "plan", "seconds_allowed", "unjudged_plan"]
 
 
 def plan(
@@ -92,8 +92,7 @@ def plan(
     begun = time.perf_counter()
     check_scenario(scenario)
     record = _record(planner)
-    _check_coupled(scenario, record)
-    record.check_visits(scenario)
+    check_takes(scenario, record)
     _check_options(rng, time_limit, executor, progress, stop)
     check_callable(found, "found")
     check_callable(improved, "improved")
@@ -148,8 +147,7 @@ def unjudged_plan(
     ScenarioError
         As in `plan`.
     """
-    _check_coupled(scenario, planner)
-    planner.check_visits(scenario)
+    check_takes(scenario, planner)
     referee = Certifying(scenario, planner)
     limits, rng = _limits(planner, time_limit, None), np.random.default_rng(seed)
 
@@ -161,6 +159,35 @@ def unjudged_plan(
     draft = planner.decomposition.plan(scenario, planner, run)
     trajectories = trajectories_of(scenario, draft.controls)
     return plan_of(scenario, planner, seed, draft, trajectories, None, {})
+
+
+def check_takes(scenario: Scenario, planner: Planner) -> None:
+    """Refuse a scenario that a planner cannot plan, whatever its numbers.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What is to be planned.
+    planner : Planner
+        A record of choices.
+
+    Raises
+    ------
+    ScenarioError
+        If it has visits, ranges, norms or shared disturbances that these choices do not take.
+    """
+    if not planner.decomposition.takes_shared:
+        for key, is_there in (
+            ("shared_disturbances", scenario.has_shared),
+            ("keep", scenario.keep),
+        ):
+            if is_there:
+                raise ScenarioError(
+                    f"{'are' if key != 'keep' else 'is'} not for '{planner.decomposition}', which "
+                    "plans one vehicle at a time; take certified, ira or distance",
+                    (key,),
+                )
+    planner.check_visits(scenario)
 
 
 def seconds_allowed(planner: Planner, time_limit: float | None) -> float | None:
@@ -193,19 +220,6 @@ def _record(planner: str | Planner) -> Planner:
     raise ArgumentTypeError(
         f"planner must be a Planner or one of {known}, got {value_text(planner)}"
     )
-
-
-def _check_coupled(scenario: Scenario, planner: Planner) -> None:
-    """Refuse shared disturbances and ranges where every vehicle is planned by itself."""
-    if planner.decomposition.takes_shared:
-        return
-    for key, is_there in (("shared_disturbances", scenario.has_shared), ("keep", scenario.keep)):
-        if is_there:
-            raise ScenarioError(
-                f"{'are' if key != 'keep' else 'is'} not for '{planner.decomposition}', which "
-                "plans one vehicle at a time; take certified, ira or distance",
-                (key,),
-            )
 
 
 def _check_options(

@@ -10,7 +10,7 @@ import numpy as np
 
 from radmpc.arguments import check_kind
 from radmpc.arrays import Vector
-from radmpc.errors import FileFormatError
+from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.flying.backends import Backend, backend_named
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.tick import Contact, segments
@@ -19,9 +19,11 @@ from radmpc.io.flight.record import FlightRecord, FlightSettings, TickRow
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.planners.presets import parse_planner
+from radmpc.planning import check_takes
 from radmpc.version import __version__
 
-__all__ = ["Progress", "begin_flight", "resume_flight"]
+__all__ = ["Progress", "begin_flight", "check_replan", "resume_flight"]
 
 Progress = Callable[[int, int], None]
 """Takes the number of the mission and its step, of every tick."""
@@ -73,6 +75,7 @@ def begin_flight(
     check_plan(plan)
     check_kind(settings, FlightSettings, "settings", "a FlightSettings")
     record = FlightRecord(plan, settings, (), (), {"radmpc": __version__})
+    check_replan(plan.scenario, settings)
     # Before the file is touched: who cannot fly leaves nothing behind.
     _mission(record, 0, lambda row: None)
     ready = [_backend(record, 0)]
@@ -86,6 +89,32 @@ def begin_flight(
     finally:
         for backend in ready:
             _close(backend)
+
+
+def check_replan(scenario: Scenario, settings: FlightSettings) -> None:
+    """Refuse a planner that cannot plan anew what is flown: at every step it would fail.
+
+    Flights that were begun go on with whatever planner they have.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the plan that is flown.
+    settings : FlightSettings
+        With the planner's name; none flies the plan as it is.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such planner, or the scenario has what it does not take.
+    """
+    if settings.replan is None:
+        return
+    planner = parse_planner(settings.replan)
+    try:
+        check_takes(scenario, planner)
+    except ScenarioError as error:
+        raise ScenarioError(f"cannot plan anew with {settings.replan!r}: {error}") from error
 
 
 def resume_flight(

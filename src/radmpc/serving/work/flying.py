@@ -13,6 +13,7 @@ import numpy as np
 
 from radmpc.errors import ArgumentError
 from radmpc.flying.backends import backend_named
+from radmpc.flying.recording.campaign import check_replan
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.io.flight.flight_file import FlightWriter
 from radmpc.io.flight.record import FlightSettings, TickRow
@@ -65,6 +66,7 @@ def fly_plan(
     settings = FlightSettings(
         name, None if replan == "none" else replan, 1, seed, options.get("deadline")
     )
+    check_replan(plan.scenario, settings)
     with ExitStack() as stack:
         path = options.get("log")
         if path is None:
