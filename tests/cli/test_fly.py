@@ -102,7 +102,7 @@ def test_a_flight_is_written_verified_and_drawn(run: Run, plan: Path, tmp_path: 
     assert told["holds"] is False
     assert told["problems"] == [
         "line 2 of the file is not as it was written",
-        "mission 0, step 0: states a saturation of 1.0, recomputed it is 0",
+        "mission 1, step 0: states a saturation of 1.0, recomputed it is 0",
     ]
     refused = run("verify", "a.jsonl", "--avoidance", "steps")
     assert refused.exit_code == 2

@@ -86,7 +86,7 @@ def test_a_line_that_is_taken_out_is_found(path: Path) -> None:
     path.write_text("\n".join(lines[:4] + lines[5:]) + "\n", encoding="utf-8")
     first, second, *_ = flight_problems(load_flight(path))
     assert first == "line 5 of the file is not as it was written"
-    assert second == "mission 0, step 4: stands where step 3 is due"
+    assert second == "mission 1, step 4: stands where step 3 is due"
 
 
 def _first_leg(rows: list[TickRow]) -> int:
@@ -106,7 +106,7 @@ def _first_leg(rows: list[TickRow]) -> int:
         ("excess", 0.5, "states a saturation of 0.5, recomputed it is 0"),
         ("alarms", ["a", "b"], "states a number of alarms of 2, recomputed it is 0"),
         ("leg", None, "a leg only where one is adopted"),
-        ("mission", 3, "mission 3 stands where mission 0 is due"),
+        ("mission", 3, "mission 4 stands where mission 1 is due"),
         ("contacts", [{"step": 1, "cause": "obstacle", "vehicle": "v", "other": "wall"}],
          "a contact that is stated, and not hit"),
     ],

@@ -100,7 +100,7 @@ def test_nothing_is_added_where_the_backend_is_elsewhere(tmp_path: Path, plan: P
     begin_flight(plan, KEPT, path, stop=lambda: next(left, None) is None)
     forged(path, 1, lambda header: header.update({"seed": 5}))
     before = path.read_bytes()
-    with pytest.raises(FileFormatError, match="cannot go on: at step 1 of mission 0 vehicle 'v'"):
+    with pytest.raises(FileFormatError, match="cannot go on: at step 1 of mission 1 vehicle 'v'"):
         resume_flight(path)
     assert path.read_bytes() == before
 

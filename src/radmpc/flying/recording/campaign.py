@@ -213,7 +213,7 @@ def _check_repeats(record: FlightRecord) -> None:
     if under_way and not backend_named(record.settings.backend).repeats:
         raise FileFormatError(
             f"cannot go on: {record.settings.backend} does not repeat the {len(under_way[0].rows)} "
-            f"steps of mission {under_way[0].number}, the vehicles have moved on"
+            f"steps of mission {under_way[0].number + 1}, the vehicles have moved on"
         )
 
 
@@ -264,7 +264,7 @@ def _check_same(scenario: Scenario, states: States, row: TickRow) -> None:
     for vehicle, now, then in zip(scenario.vehicles, states, row.states or (), strict=True):
         if not np.allclose(now, then, rtol=_CLOSE, atol=_CLOSE):
             raise FileFormatError(
-                f"cannot go on: at step {row.step} of mission {row.mission} vehicle "
+                f"cannot go on: at step {row.step} of mission {row.mission + 1} vehicle "
                 f"{vehicle.name!r} was at {np.asarray(then).tolist()}, flown again it is at "
                 f"{np.asarray(now).tolist()}"
             )

@@ -108,7 +108,7 @@ def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Recomputation:
     state = Recomputation(plan, leg, account, Sensing.of(plan.scenario), starts)
     state.enter(0, "opened", account.tail)
     for number, row in enumerate(rows):
-        where = f"mission {row.mission}, step {row.step}"
+        where = f"mission {row.mission + 1}, step {row.step}"
         if row.step != number:
             state.problems.append(f"{where}: stands where step {number} is due")
             break

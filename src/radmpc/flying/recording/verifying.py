@@ -53,13 +53,13 @@ def flight_problems(record: FlightRecord) -> tuple[str, ...]:
 def _mission_problems(record: FlightRecord, mission: FlownMission, due: int) -> list[str]:
     """Return what in one mission is not true."""
     if mission.number != due:
-        return [f"mission {mission.number} stands where mission {due} is due"]
+        return [f"mission {mission.number + 1} stands where mission {due + 1} is due"]
     if not mission.is_over and due < len(record.missions) - 1:
-        return [f"mission {mission.number} ends with step {mission.rows[-1].step}"]
+        return [f"mission {mission.number + 1} ends with step {mission.rows[-1].step}"]
     try:
         problems = recomputed(record.plan, mission.rows).problems
     except RadmpcError as error:
-        return [f"mission {mission.number}: {error}"]
+        return [f"mission {mission.number + 1}: {error}"]
     if record.settings.backend == "model":
         problems += _contact_problems(record.plan.scenario, mission.rows)
     return problems
@@ -96,7 +96,7 @@ def _contact_problems(scenario: Scenario, rows: Sequence[TickRow]) -> list[str]:
             for contacts in (geometry.hit(before, row), row.contacts)
         )
         before = row
-        where = f"mission {row.mission}, step {row.step}"
+        where = f"mission {row.mission + 1}, step {row.step}"
         both = (("{}, and not stated", found - stated), ("stated, and not {}", stated - found))
         for words, which in both:
             for cause, vehicle, other in sorted(which, key=str):
