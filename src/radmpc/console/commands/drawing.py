@@ -6,7 +6,7 @@ from pathlib import Path
 
 from radmpc.console.completing import VIEWS
 from radmpc.console.files import check_output, check_separate
-from radmpc.console.output import show
+from radmpc.console.output import note, show
 from radmpc.console.picture import check_film, drawing, write_film
 from radmpc.console.running.guard import Code
 from radmpc.errors import ArgumentError, FileFormatError, ScenarioError
@@ -88,6 +88,9 @@ def _draw_flight(source: Path, view: str | None, output: Path, *, is_film: bool)
             (save_flight_film if is_film else save_flight)(record, output)
     except ArgumentError as error:
         raise FileFormatError(f"{source}: cannot be drawn: {error}") from error
+    if record.doubts:
+        held = f"'radmpc verify {source}' says what does not hold"
+        note(f"warning: {source}: {record.doubts}; {held}")
     show(f"{'film' if is_film else 'picture'} written to {output}")
     return Code.OK
 

@@ -231,6 +231,15 @@ class FlightRecord:
     versions: Mapping[str, str] = field(default_factory=dict)
 
     @property
+    def doubts(self) -> str:
+        """What is wrong with the file's lines, in a clause; empty where nothing is."""
+        if not self.changed:
+            return ""
+        more = len(self.changed) - 1
+        others = f" and {more} more are" if more else " is"
+        return f"line {self.changed[0]}{others} not as {'they were' if more else 'it was'} written"
+
+    @property
     def missions(self) -> tuple[FlownMission, ...]:
         """The missions, the last of which may not be over."""
         horizon = self.plan.scenario.horizon

@@ -235,7 +235,7 @@ class Desk:
             scenario.horizon,
             scenario.risk_bound,
             ticks=opened.ticks or (),
-            note="read from its file",
+            note=opened.note,
         )
         self.flights[flight.number] = flight
 

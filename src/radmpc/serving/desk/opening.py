@@ -40,6 +40,8 @@ class Opened:
         The plan in it.
     ticks : list of TickView or None
         The flight in it, its first mission.
+    note : str
+        What is to be known of that flight.
     """
 
     content: Content
@@ -47,6 +49,7 @@ class Opened:
     is_scenario: bool = False
     plan: Plan | None = None
     ticks: list[TickView] | None = field(default=None)
+    note: str = ""
 
 
 def is_chart(name: str) -> bool:
@@ -117,4 +120,6 @@ def _flight(path: Path) -> Opened:
     missions = record.missions
     rows = missions[0].rows if missions else ()
     ticks = [tick_view(row, scenario, scenario.risk_bound) for row in rows]
-    return Opened(encode_scenario(scenario), plan=record.plan, ticks=ticks)
+    which = f", the first of {len(missions)} missions" if len(missions) > 1 else ""
+    note = "; ".join(filter(None, (f"read from its file{which}", record.doubts)))
+    return Opened(encode_scenario(scenario), plan=record.plan, ticks=ticks, note=note)
