@@ -42,6 +42,8 @@ _TRIED = 8
 _TIME_SHARE = 0.5
 """Share of the time left that each plan may take [-]."""
 
+_SHARE_USED = "the share of the time limit for one assignment was used up"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Found:
@@ -173,6 +175,10 @@ def _planned(
         limits = limits.within(_TIME_SHARE * limits.seconds_left)
     one = replace(run, limits=limits, judge=judge_of(there))
     draft = planner.decomposition.plan(there, planner, one)
+    is_late = draft.stopped_by is not None and draft.stopped_by == limits.within(0.0).reason
+    if is_late and not run.limits.reached:
+        # The limit that was asked for is not reached, and nobody is to read that it was.
+        draft = replace(draft, stopped_by=_SHARE_USED)
     cost = float("inf")
     if draft.controls:
         cost = sum(

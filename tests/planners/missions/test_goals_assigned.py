@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import itertools
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,9 @@ from radmpc.model.dynamics import LinearSystem
 from radmpc.model.relations.goals import places_of, same_goal
 from radmpc.planners import assignment
 from radmpc.planners.assignment import least_costs
+from radmpc.planners.certified.certified import Certified
+from radmpc.planners.draft import Draft
+from radmpc.planners.planner import Planner, Run
 
 ENDS = ([8.0, 6.0], [8.0, 0.0], [8.0, 3.0], [2.0, 9.0])
 
@@ -63,6 +67,21 @@ def test_costs_in_empty_space_are_those_of_each_alone() -> None:
     alone = replace(given.vehicles[1], goal=given.goals[2])
     one = Scenario("one", 1.0, given.horizon, 0.01, [alone])
     assert costs[1, 2] == pytest.approx(plan(one, "dlp").cost, rel=1e-4)
+
+
+def test_an_assignment_that_took_its_share_of_the_time_limit_is_not_said_to_have_taken_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    whole = Certified.plan
+
+    def slow(self: Certified, scenario: Scenario, planner: Planner, run: Run) -> Draft:
+        draft = whole(self, scenario, planner, run)
+        time.sleep(run.limits.seconds_left)
+        return replace(draft, status=Status.FEASIBLE, stopped_by=run.limits.reason)
+
+    monkeypatch.setattr(Certified, "plan", slow)
+    found = plan(sharing(1, 1), time_limit=1.0)
+    assert found.record.stopped_by == "the share of the time limit for one assignment was used up"
 
 
 @pytest.mark.slow
