@@ -31,6 +31,9 @@ def test_a_table_and_a_curve_tell_what_risk_costs(run: Run, crossing: Path) -> N
     assert [line.split()[0] for line in result.stdout.splitlines()[:3]] == [
         "risk_bound", "0.02", "0.05",
     ]  # fmt: skip
+    assert result.stdout.splitlines()[-2:] == [
+        "table written to rows.csv", "picture written to curve.png",
+    ]  # fmt: skip
     assert Path("curve.png").read_bytes().startswith(b"\x89PNG")
     planned = radmpc.plan(radmpc.load_scenario(crossing, {"risk_bound": 0.02}))
     assert costs[0] == pytest.approx(planned.cost, rel=2e-3)

@@ -165,10 +165,14 @@ def _report(request: SweepRequest, rows: Sequence[SweepRow]) -> None:
         show_json({"over": list(axes), "rows": [_as_json(axes, row) for row in rows]})
     elif rows:
         show(*sweep_report(axes, rows))
-    if request.figure is not None and rows:
+    if not rows:
+        return
+    if request.figure is not None:
         _draw(axes, rows, request.figure)
-        if not request.as_json:
-            show("", f"picture written to {request.figure}")
+    written = (("table", request.output), ("picture", request.figure))
+    lines = [f"{name} written to {path}" for name, path in written if path is not None]
+    if lines and not request.as_json:
+        show("", *lines)
 
 
 def _draw(axes: Sequence[str], rows: Sequence[SweepRow], path: Path) -> None:
