@@ -14,6 +14,8 @@ from radmpc.model.scenario import Workspace
 from radmpc.planners import Branch, Certified, Optimal, Planner
 from radmpc.planners.certified import fallbacks
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.infeasible.answer import WhyNot
+from radmpc.planners.certified.infeasible.least_risk import feasible_within
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.verdict import Verdict
@@ -67,3 +69,23 @@ def test_who_is_not_persistent_neither_seeks_reasons_nor_more_faces(
     assert not asked
     assert result.explanation.startswith("No plan was found, and none was ruled out")
     assert str(record.decomposition) == "certified"
+
+
+@pytest.mark.parametrize(("is_feasible", "is_proven"), [(False, True), (None, False)])
+def test_only_faces_that_were_searched_to_the_end_rule_out_a_plan(
+    monkeypatch: pytest.MonkeyPatch, is_feasible: bool | None, is_proven: bool
+) -> None:
+    none_by_faces = WhyNot("No path.", is_proven=True, blocked=(0, 1))
+    monkeypatch.setattr(fallbacks, "turn_from_noiseless", lambda fleet, state, judge: state)
+    monkeypatch.setattr(fallbacks, "why_not", lambda scenario, limits: none_by_faces)
+    monkeypatch.setattr(fallbacks, "feasible_within", lambda scenario, limits: is_feasible)
+    fleet = Fleet.of(paper(2, 0), 1e-3, Limits().within(60.0))
+    search = PriceSearch.of(fleet, lambda controls: Verdict(1.0, ()))
+    answer = fallbacks.last_resort(search, SearchState.of(fleet)).answer
+    assert answer.is_proven is is_proven
+    assert ("More faces opened no way" in answer.explanation) is is_proven
+    assert ("Whether a way opens with 8 faces" in answer.explanation) is not is_proven
+
+
+def test_more_faces_rule_out_nothing_once_time_is_up() -> None:
+    assert feasible_within(paper(2, 0), Limits().within(0.0)) is None

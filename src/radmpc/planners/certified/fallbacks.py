@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
-from radmpc.planners.certified.infeasible.cures import has_plan_within
 from radmpc.planners.certified.infeasible.ended import ended
 from radmpc.planners.certified.infeasible.explanation import why_not
+from radmpc.planners.certified.infeasible.least_risk import feasible_within
 from radmpc.planners.certified.more_faces import finer_scenarios
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.search_state import SearchState
@@ -73,13 +73,15 @@ def last_resort(
     while is_persistent and not limits.reached and not state.has_plan:
         if answer is None:
             answer = why_not(scenario, limits)
+            is_ruled_out = answer.is_proven
             if answer.controls:
                 state = _from_safest(search, state, answer)
             if answer.blocked and not state.has_plan:
                 other, answer = _with_more_faces(search, answer)
                 if other is not None:
                     return other
-            if answer.is_proven and not state.has_plan:
+            # More effort by the same faces finds no plan that is ruled out by them.
+            if is_ruled_out and not state.has_plan:
                 return LastResort(search, state, answer)
         else:
             state = replace(state, effort=state.effort * TUNING.prices.more_effort)
@@ -108,10 +110,12 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
     fleet = search.fleet
     scenario, limits = fleet.scenario, fleet.limits
     tried: list[str] = []
+    untold: list[str] = []
     for finer in finer_scenarios(scenario):
         part = finer.scenario.subset(answer.blocked, scenario.risk_bound)
-        tried.append(finer.text)
-        if limits.reached or not has_plan_within(part, limits.within(TUNING.last_resort.trial)):
+        has_plan = feasible_within(part, limits.within(TUNING.last_resort.trial))
+        (tried if has_plan is False else untold).append(finer.text)
+        if not has_plan:
             continue
         other = Fleet.of(
             finer.scenario, fleet.gap, limits, progress=fleet.progress, executor=fleet.executor
@@ -124,6 +128,10 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
             found = WhyNot(text + answer.explanation, is_proven=False)
             return LastResort(finer_search, state, found), found
     text = answer.explanation
-    if tried and not limits.reached:
+    if tried:
         text += f" More faces opened no way: tried were {'; '.join(tried)}."
-    return None, WhyNot(text, answer.is_proven, answer.controls, answer.sets)
+    if untold:
+        within = limits.reason or f"each was given {TUNING.last_resort.trial:g} s"
+        text += f" Whether a way opens with {'; or with '.join(untold)}, is not known: {within}."
+    is_proven = answer.is_proven and not untold
+    return None, WhyNot(text, is_proven, answer.controls, answer.sets)

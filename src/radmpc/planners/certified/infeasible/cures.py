@@ -8,7 +8,7 @@ from radmpc.errors import ScenarioError
 from radmpc.model.obstacle import MovingShape
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
-from radmpc.planners.certified.infeasible.least_risk import least_risk
+from radmpc.planners.certified.infeasible.least_risk import feasible_within
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.cures.endpoints import endpoint_cures
 from radmpc.planners.cures.variants import (
@@ -20,7 +20,7 @@ from radmpc.planners.cures.variants import (
 )
 from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.explain import unable_alone
-from radmpc.planners.presolve import hazards_of, reserve_reason, sure_reasons
+from radmpc.planners.presolve import hazards_of, reserve_reason
 from radmpc.planners.wording import listed
 from radmpc.program.build import condensed_models
 from radmpc.records import dataclass
@@ -151,9 +151,7 @@ def has_plan_within(scenario: Scenario, limits: Limits) -> bool:
     limits : Limits
         When to stop looking.
     """
-    if limits.reached or sure_reasons(scenario, condensed_models(scenario)):
-        return False
-    return least_risk(scenario, limits, scenario.risk_bound).risk <= scenario.risk_bound
+    return feasible_within(scenario, limits) is True
 
 
 def _longer(scenario: Scenario, limits: Limits) -> int | str:

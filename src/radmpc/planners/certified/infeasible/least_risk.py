@@ -13,11 +13,13 @@ from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.presolve import sure_reasons
+from radmpc.program.build import condensed_models
 from radmpc.program.program import RiskItem
 from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits
 
-__all__ = ["LeastRisk", "least_risk"]
+__all__ = ["LeastRisk", "feasible_within", "least_risk"]
 
 _UNIT = 0.49
 """The unit of risk, and with it the row risk cap [-]: below one half a row's tail is convex."""
@@ -95,6 +97,26 @@ def least_risk(scenario: Scenario, limits: Limits, enough: float = 0.0) -> Least
         if best.risk <= enough or limits.reached or (found is not None and not found.is_limited):
             break
     return best
+
+
+def feasible_within(scenario: Scenario, limits: Limits) -> bool | None:
+    """Whether there is a plan within Δ by union bounds; None where the time given does not tell.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    limits : Limits
+        When to stop looking.
+    """
+    if limits.reached:
+        return None
+    if sure_reasons(scenario, condensed_models(scenario)):
+        return False
+    found = least_risk(scenario, limits, scenario.risk_bound)
+    if found.risk <= scenario.risk_bound:
+        return True
+    return False if found.bound > scenario.risk_bound else None
 
 
 def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
