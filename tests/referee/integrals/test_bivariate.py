@@ -98,6 +98,14 @@ def test_a_correlation_not_known_gets_the_smaller_event():
     assert exceeds_alone(-1.0, 0.0, np.nan) == ndtr(-1.0)
 
 
+def test_a_correlation_of_a_rounding_error_counts_as_none():
+    a, tiny = np.array([-3.0, 0.0, 1.0, 7.0]), np.finfo(float).eps
+    for correlation in (-0.25 * tiny, -0.5 * tiny, -tiny, 0.25 * tiny, tiny):
+        for b in (a, -a):
+            found = exceeds_alone(a, b, correlation)
+            np.testing.assert_allclose(found, ndtr(a) * ndtr(-b), rtol=1e-9)
+
+
 def test_infinite_limits_leave_one_event():
     limits = np.array([[np.inf, 1.0], [-np.inf, 1.0], [1.0, np.inf], [1.0, -np.inf]])
     for correlation in (-1.0, -0.4, 0.0, 0.4, 1.0):

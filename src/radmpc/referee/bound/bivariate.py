@@ -112,8 +112,10 @@ def _chord(begin: Matrix, end: Matrix) -> tuple[Matrix, Matrix]:
     """Return m and c with ``1 / (1 + u) <= c exp(-m u)`` between two u in [0, 1]."""
     width = end - begin
     rise = np.log1p(end) - np.log1p(begin)
-    # Any slope that is not steeper than the chord will do where there is no width.
+    # Any slope that is not steeper than the chord will do where there is no width. Those of chords
+    # lie between these limits; where there is next to no width, rounding leaves others, also 0.
     steepness = np.where(width > 0.0, rise / np.where(width > 0.0, width, 1.0), 0.5)
+    steepness = np.clip(steepness, 0.5, 1.0)
     return steepness, np.exp(steepness * begin - np.log1p(begin))
 
 
