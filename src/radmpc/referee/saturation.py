@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
-from radmpc.referee.claims.norms import norm_excess
+from radmpc.referee.claims.norms import allowed_beyond, norm_excess
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.tails import exceeding
 
@@ -53,7 +53,7 @@ def saturation_bound(scenario: Scenario, motion: FleetMotion, controls: Sequence
     """
     bounds = np.zeros(scenario.num_vehicles)
     for i, vehicle in enumerate(scenario.vehicles):
-        limit = vehicle.control_limit + _LIMIT_TOL
+        limit = vehicle.control_limit
         if vehicle.control_norm is not None:
             from radmpc.referee.claims.norms import saturation_of_norm  # noqa: PLC0415 - few have any
 
@@ -62,13 +62,14 @@ def saturation_bound(scenario: Scenario, motion: FleetMotion, controls: Sequence
             # What exceeds the norm along an axis was counted.
             limit = np.where(vehicle.control_limit < vehicle.control_norm, limit, np.inf)
         if vehicle.gain is None:
-            bounds[i] = max(bounds[i], float(np.any(np.abs(controls[i]) > limit)))
+            bounds[i] = max(bounds[i], float(np.any(np.abs(controls[i]) > limit + _LIMIT_TOL)))
             continue
         variances = ((vehicle.gain @ motion.seen[i][:-1]) * vehicle.gain).sum(axis=2)
         spread = np.sqrt(variances.clip(min=0.0))
         noisy = spread > 0.0
         total = bounds[i]
-        for room in (limit - controls[i], limit + controls[i]):
+        held = limit + allowed_beyond(spread, _LIMIT_TOL)
+        for room in (held - controls[i], held + controls[i]):
             tails = exceeding(room / np.where(noisy, spread, 1.0), motion.samples)
             total += float(np.where(noisy, tails, (room < 0.0).astype(np.float64)).sum())
         bounds[i] = min(total, 1.0)

@@ -133,6 +133,16 @@ def test_saturation_counts_flights_that_ask_for_too_much():
         assert result.collisions == 0
 
 
+@pytest.mark.parametrize("norm", [None, 1e-5])
+def test_saturation_is_bounded_at_limits_of_micrometers_too(norm):
+    gain = np.array([[-1e-6, 0.0, 0.0, 0.0], [0.0, -1e-6, 0.0, 0.0]])
+    vehicle = glider("a", [0, 0], [0, 0], noise=25.0, gain=gain)
+    small = replace(vehicle, control_limit=1e-5, control_norm=norm)
+    plan = make_plan(Scenario("slow", 1.0, 1, 0.05, (small,)), [np.zeros((1, 2))])
+    either = 1.0 - (1.0 - 2.0 * ndtr(-2.0)) ** 2 if norm is None else np.exp(-2.0)
+    assert either <= certify(plan).saturation
+
+
 def test_open_loop_never_saturates_within_its_limit():
     plan = straight_plan(paper(2, 0))
     assert simulate(plan, 1000, rng=0).saturation_rate == 0.0

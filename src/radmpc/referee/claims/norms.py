@@ -10,7 +10,7 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.referee.polytopes import polytopes_within
 from radmpc.referee.tails import exceeding
 
-__all__ = ["norm_excess", "norm_problems", "saturation_of_norm"]
+__all__ = ["allowed_beyond", "norm_excess", "norm_problems", "saturation_of_norm"]
 
 _TOL = 1e-6
 """Share of a limit up to which it is kept [-]; absolute below one."""
@@ -88,20 +88,34 @@ def saturation_of_norm(
     samples : int or None
         Independent steps that covariances were estimated from; None is that they are known.
     """
-    limit = (vehicle.control_norm or 0.0) + slack
-    sure = np.sqrt(np.square(controls).sum(axis=1)) > limit
+    limit = vehicle.control_norm or 0.0
+    sure = np.sqrt(np.square(controls).sum(axis=1)) > limit + slack
     if vehicle.gain is None:
         return float(sure.any())
     best = np.full(len(controls), np.inf)
     still: npt.NDArray[np.bool_] = np.zeros(len(controls), dtype=bool)
     for normals, share in polytopes_within(controls.shape[1]):
         spread = _deviations(vehicle, normals, seen)
-        room = share * limit - controls @ normals.T
+        room = share * (limit + allowed_beyond(spread, slack)) - controls @ normals.T
         tails = exceeding(room / np.where(spread > 0.0, spread, 1.0), samples)
         risks = np.where(spread > 0.0, tails, (room < 0.0).astype(np.float64))
         best = np.minimum(best, risks.sum(axis=1))
         still = np.logical_not((spread > 0.0).any(axis=1))
     return float(np.where(still, sure.astype(np.float64), np.minimum(best, 1.0)).sum())
+
+
+def allowed_beyond(spread: Matrix, slack: float) -> Matrix:
+    """Return what controls may exceed a limit by before they count as cut off.
+
+    Parameters
+    ----------
+    spread : array
+        Standard deviations of what feedback asks for.
+    slack : float
+        What solvers' tolerances let nominal controls exceed it by. Where noise shakes a control by
+        a hundredth of that or more, it would make a saturation look less likely than it is.
+    """
+    return np.where(spread > 0.01 * slack, 0.0, slack)
 
 
 def norm_excess(controls: Matrix, limit: float) -> Matrix:
