@@ -10,7 +10,11 @@ from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass
 from radmpc.sparse_rows import SparseBlock, sparse_block
 
-__all__ = ["HardRows", "hard_rows", "norm_rows", "split_hard_rows"]
+__all__ = ["HardRows", "hard_rows", "keeps_hard_rows", "norm_rows", "split_hard_rows"]
+
+_TOL = 1e-7
+"""What controls, speeds and goals may be missed by and count as kept [m, m/s, control]: linear
+solvers leave a hundredth of it, the referee allows ten times as much."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,6 +95,23 @@ def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
         lowers.append(np.full(upper.size, -np.inf))
         uppers.append(upper)
     return np.vstack(rows), np.concatenate(lowers), np.concatenate(uppers)
+
+
+def keeps_hard_rows(model: CondensedModel, controls: Matrix) -> bool:
+    """Tell whether controls keep one vehicle's limits and lead to its goal, in its programs.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+    controls : (T, m) array
+        Its nominal controls.
+    """
+    if np.any(np.abs(controls) > model.control_bounds + _TOL):
+        return False
+    rows, lower, upper = hard_rows(model)
+    at = rows @ controls.ravel()
+    return bool(np.all((at >= lower - _TOL) & (at <= upper + _TOL)))
 
 
 def norm_rows(model: CondensedModel) -> tuple[tuple[Matrix, Matrix], ...]:

@@ -154,8 +154,7 @@ class Certified(Decomposition):
             fleet = fleet.with_limits(fleet.limits.within(self.proof_seconds))
         outside = outside_norms_of(fleet)
         proof = bound_on_any(outside, state.incumbent, price, most_nodes, proven)
-        # Programs turn to no plan that is beyond their limits.
-        return proof if outside is fleet else replace(proof, controls=())
+        return replace(proof, is_outside=outside is not fleet)
 
 
 def _nodes_of_proof(fleet: Fleet, state: SearchState, is_timed: bool) -> float:

@@ -106,9 +106,7 @@ class Around:
                     # Their search takes long, and whoever stops it has a better plan.
                     search.continue_from(self.state.incumbent, self._price())
                 continue
-            # Programs turn to no plan that is beyond their limits.
-            is_beyond = timed.scenario is not self.fleet.scenario
-            gained = self.turn_on() if is_beyond else self._turned(search)
+            gained = self._turned(search, is_outside=timed.scenario is not self.fleet.scenario)
             if self.is_near or search.nodes >= self.most_nodes or timed.limits.reached:
                 return
             if gained:
@@ -117,8 +115,11 @@ class Around:
                 return
             effort, parts = effort + 1, search.order
 
-    def _turned(self, search: BoundSearch) -> bool:
-        """Turn half-spaces to the plan of the relaxation; tell whether that made a cheaper one."""
+    def _turned(self, search: BoundSearch, *, is_outside: bool) -> bool:
+        """Turn half-spaces to the plan of the relaxation; tell whether that made a cheaper one.
+
+        Outside its norms that is beyond what programs may do, but its sides may be better ones.
+        """
         fleet, before = self.fleet, self.state
         other = search.relaxed_controls()
         if not other or not self._promises(search, other):
@@ -126,7 +127,7 @@ class Around:
         self.turned_to = other
         incumbent = before.incumbent
         price = (incumbent.turned_price or self._guess()) / incumbent.risk_ratio
-        self.state = turn_to(fleet, before, self.judge, other, price)
+        self.state = turn_to(fleet, before, self.judge, other, price, is_outside=is_outside)
         now = self.state.incumbent.cost
         if now < before.incumbent.cost:
             self.least = now

@@ -155,7 +155,7 @@ def turned_to_others(fleet: Fleet, state: SearchState, proof: Proof, judge: Judg
         from radmpc.planners.certified.turned.turned_plans import turn_to  # noqa: PLC0415 - as above
 
         price = shadow_price(fleet, state) or fleet.first_unit_price(state.budget) / fleet.unit
-        state = turn_to(fleet, state, judge, proof.controls, price)
+        state = turn_to(fleet, state, judge, proof.controls, price, is_outside=proof.is_outside)
         gap = relative_gap(state.incumbent.cost, proof.bound)
     if gap > PROOF_TUNING.doubtful:
         from radmpc.planners.certified.turned.noiseless import turn_from_noiseless  # noqa: PLC0415 - few need it

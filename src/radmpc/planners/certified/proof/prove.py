@@ -26,10 +26,13 @@ class Proof:
     controls : tuple of (T, m) array
         The best plan of the relaxation, in the scenario's order: it risks too much, by a little,
         but its sides may be better ones. Empty where it is the plan at hand.
+    is_outside : bool
+        Whether that plan may be beyond the limits that programs keep.
     """
 
     bound: float
     controls: tuple[Matrix, ...] = ()
+    is_outside: bool = False
 
 
 def bound_on_any(

@@ -58,6 +58,8 @@ def turn_to(
     judge: Judge,
     controls: tuple[Matrix, ...],
     price: float,
+    *,
+    is_outside: bool = False,
 ) -> SearchState:
     """Turn half-spaces to another plan than the incumbent, certified or nearly.
 
@@ -75,6 +77,8 @@ def turn_to(
         Of the other plan, in the scenario's order.
     price : float
         Cost of what half-spaces risk to begin with, per unit of probability.
+    is_outside : bool
+        Whether the other plan is beyond the limits that programs keep.
 
     Returns
     -------
@@ -82,7 +86,7 @@ def turn_to(
         With a cheaper plan where there is one.
     """
     incumbent, task = state.incumbent, task_of(fleet, judge, controls)
-    turning = Turning(task, incumbent, incumbent.sets, price)
+    turning = Turning(task, incumbent, incumbent.sets, price, is_outside=is_outside)
     if task.hazards.count > TUNING.most_together:
         others = on_other_sides(task.hazards, incumbent.controls, controls)
         if not others:

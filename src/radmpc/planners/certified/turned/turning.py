@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import logging
 import time
+from collections.abc import Sequence
 
+from radmpc.arrays import Matrix
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
@@ -18,6 +20,7 @@ from radmpc.planners.certified.turned.price_control import PriceControl, SafePat
 from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.program.hard import keeps_hard_rows
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import Limits
 
@@ -61,6 +64,9 @@ class Turning:
         Linear programs to go on with, see `SuccessiveLp`.
     is_above : bool
         Whether it begins with paths that risk too much: the referee is not asked of these.
+    is_outside : bool
+        Whether it begins with paths beyond the limits of programs: plans are only those that keep
+        them.
     """
 
     task: Task
@@ -76,6 +82,7 @@ class Turning:
     enough: float = float("inf")
     programs: WarmPrograms | None = None
     is_above: bool = False
+    is_outside: bool = False
 
     def __post_init__(self) -> None:
         """Choose who shares a linear program."""
@@ -115,7 +122,7 @@ class Turning:
         control = PriceControl(self.price, task.risk_bound, task.gap, rival, *flags)
         self.successive.forget_all_but(self.groups)
         begun = time.monotonic()
-        begin = float("inf") if self.is_above else self._take()
+        begin = float("inf") if self.is_above or self.is_outside else self._take()
         control.begin(begin, paths.cost(), paths.state())
         left = task.limits.seconds_left
         # A round without time for its certificate comes to nothing.
@@ -195,6 +202,8 @@ class Turning:
     def _take(self) -> float:
         """Keep the latest paths if they are certified and the cheapest; return the certificate."""
         paths, controls = self.successive.paths, tuple(self.successive.paths.controls)
+        if self.is_outside and not self._keep_limits(controls):
+            return float("inf")
         certified, cost = self.task.judge(controls).certified, paths.cost()
         if certified <= self.task.risk_bound and cost < self.incumbent.cost:
             ratio = min(self.risk / max(certified, _NOTHING), TUNING.most_ratio)
@@ -214,3 +223,8 @@ class Turning:
             )
             self.task.found(self.incumbent)
         return certified
+
+    def _keep_limits(self, controls: Sequence[Matrix]) -> bool:
+        """Tell whether controls are those of programs: nobody was held where the paths began."""
+        both = zip(self.task.hazards.models, controls, strict=True)
+        return all(keeps_hard_rows(model, each) for model, each in both)
