@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import radmpc
+from radmpc.experiments.families import circle, paper
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.task import Task
+from radmpc.planners.certified.turned.turning import Turning
+from radmpc.planners.verdict import Verdict
+from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
 from radmpc.referee.propagation import propagate
+from radmpc.solvers.solution import Limits
 
 CORNER = [np.cos(np.pi / 8), np.sin(np.pi / 8)]
 """Where a polygon of 16 sides whose middles are on the axes touches the disc around it."""
@@ -90,3 +99,47 @@ def test_where_the_norm_itself_is_too_small_nothing_is_said_of_polytopes() -> No
     content["vehicles"][0]["goal"] = {"center": [9.0, 9.0], "half_width": 0.0, "speed": 0.0}
     explanation = radmpc.plan(radmpc.from_dict(content)).explanation
     assert "under its control and speed limits, obstacles aside" in explanation
+
+
+def normed(scenario: radmpc.Scenario) -> radmpc.Scenario:
+    """The same with norms of control and speed in place of limits of their axes."""
+    vehicles = tuple(
+        replace(
+            vehicle,
+            control_limit=None,
+            speed_limit=None,
+            control_norm=float(np.max(vehicle.control_limit)),
+            speed_norm=float(np.max(vehicle.speed_limit)),
+        )
+        for vehicle in scenario.vehicles
+    )
+    return replace(scenario, vehicles=vehicles)
+
+
+def test_half_spaces_are_turned_to_the_sides_of_the_relaxation() -> None:
+    planned = radmpc.plan(normed(paper(8, 4)), rng=0, time_limit=60.0).require()
+    # 16.96 on the sides of the first plan.
+    assert planned.cost < 16.80
+    assert planned.certified_lower_bound > 0.99 * planned.cost
+    assert radmpc.certify(planned).problems == ()
+
+
+def test_three_that_cross_within_norms_are_proven_optimal() -> None:
+    planned = radmpc.plan(normed(circle(3)), rng=0, time_limit=60.0).require()
+    assert planned.status is Status.OPTIMAL
+    assert planned.certified_lower_bound > 0.98 * planned.cost
+    assert radmpc.certify(planned).problems == ()
+
+
+@pytest.mark.parametrize("share", [1.0, 1.001])
+def test_paths_beyond_the_limits_of_programs_are_no_plan(share: float) -> None:
+    scenario = normed(circle(2))
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    alone = [radmpc.plan(scenario, rng=0).require().trajectories[i].controls for i in (0, 1)]
+    task = Task(hazards, lambda controls: Verdict(0.01, ()), Limits(), 1e-3, 0.05)
+    nothing = FleetIncumbent((), float("inf"), ((0,), (1,)))
+    turning = Turning(task, nothing, ((0,), (1,)), 5.0, is_outside=True)
+    turning.successive.begin([share * controls for controls in alone])
+    # Nobody moves: one stayed where it began, as where its linear program has no solution.
+    turning._take()
+    assert bool(turning.incumbent.controls) == (share == 1.0)

@@ -35,6 +35,8 @@ class Vicinity:
         By how much it is grown [m].
     deviations : (I,) array
         Size of the noise [m].
+    is_at_steps : bool
+        Whether all instants are the ends of their intervals.
     """
 
     body: int
@@ -45,6 +47,7 @@ class Vicinity:
     upper: Matrix
     radius: float
     deviations: Vector
+    is_at_steps: bool
 
     @classmethod
     def of(cls, body: int, other: int, instants: Instants, outline: Outline) -> Vicinity:
@@ -62,9 +65,9 @@ class Vicinity:
         variances = np.trace(instants.covariances, axis1=1, axis2=2)
         ends = outline.vertices.min(axis=1), outline.vertices.max(axis=1)
         deviations = np.sqrt(np.maximum(variances, 0.0))
-        return cls(
-            body, other, instants.windows, instants.shares, *ends, outline.radius, deviations
-        )
+        is_at_steps = bool((instants.shares == 1.0).all())
+        when = instants.windows, instants.shares
+        return cls(body, other, *when, *ends, outline.radius, deviations, is_at_steps)
 
     def is_near(self, paths: Tensor) -> bool:
         """Tell whether mean positions at the steps, (N, T+1, d) [m], come near the hazard."""
@@ -77,8 +80,10 @@ class Vicinity:
     def _is_within(self, paths: Tensor, deviations: float) -> bool:
         """Tell whether mean positions come within so many deviations of the hazard."""
         path = paths[self.body] if self.other < 0 else paths[self.body] - paths[self.other]
-        share = self.shares[:, None]
-        at = (1.0 - share) * path[self.windows] + share * path[self.windows + 1]
+        at = path[self.windows + 1]
+        if not self.is_at_steps:
+            share = self.shares[:, None]
+            at = (1.0 - share) * path[self.windows] + share * at
         apart = np.maximum(np.maximum(self.lower - at, at - self.upper), 0.0)
         reach = self.radius + deviations * self.deviations
         return bool(np.any((apart * apart).sum(axis=1) <= reach * reach))
