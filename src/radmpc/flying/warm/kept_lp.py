@@ -7,10 +7,9 @@ to tick, and the last basis is a start.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
@@ -18,10 +17,12 @@ from radmpc.planners.certified.turned.linear.given import Places
 from radmpc.planners.certified.turned.linear.group_lp import NEVER, GroupLp
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import Margins
+from radmpc.planners.certified.turned.linear.member import Member
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import norm_rows
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
+from radmpc.sparse_rows import sparse_block
 
 __all__ = ["KeptLp"]
 
@@ -54,8 +55,8 @@ class KeptLp(GroupLp):
         self.has_failed = False
         self._miss_price = miss_price
         self._steps = hazards.horizon
-        self._rows_kept = 0
         super().__init__(hazards, members)
+        self._rows_kept = self._lp.num_rows
         self._first_controls, self._first_positions = self._controls, self._positions
         spans = [
             np.arange(first, first + 2 * span)
@@ -63,40 +64,37 @@ class KeptLp(GroupLp):
         ]
         self._columns_kept = np.concatenate(spans)
 
-    def _add_member(self, model: CondensedModel) -> tuple[int, int]:
-        """Add a vehicle's columns and rows of all steps; return its first control and position."""
+    def _member(self, model: CondensedModel) -> Member:
+        """Return a vehicle's columns and rows of all steps, without bounds yet."""
         span, positions = model.control_bounds.size, model.position[1:]
         count = positions.shape[0] * positions.shape[1]
-        cost = np.full(2 * span, model.vehicle.cost_weight)
-        first = self._lp.add_columns(cost, np.zeros(2 * span), np.zeros(2 * span))
-        self._lp.add_columns(np.zeros(count), np.full(count, -_INF), np.full(count, _INF))
-        slack = self._add_slack(model.vehicle.system.dimension)
+        # What the goal is missed by along either direction of each axis, where that is allowed.
+        dimension = model.vehicle.system.dimension
+        size = 0 if self._miss_price is None else 2 * dimension
         rows = [model.position[-1]]
         if model.velocity is not None:
             rows.append(model.velocity[1:].reshape(-1, span))
         rows += [faces for faces, _ in norm_rows(model)]
         hard = np.vstack(rows)
+        # The goal's rows are the first ones.
+        beside = np.hstack([np.eye(len(hard), dimension), -np.eye(len(hard), dimension)])[:, :size]
         prediction = positions.reshape(count, span)
         matrix = np.vstack(
             [
-                np.hstack([hard, -hard, np.zeros((len(hard), count)), slack(len(hard))]),
-                np.hstack([-prediction, prediction, np.eye(count), 0.0 * slack(count)]),
+                np.hstack([hard, -hard, np.zeros((len(hard), count)), beside]),
+                np.hstack([-prediction, prediction, np.eye(count), np.zeros((count, size))]),
             ]
         )
-        free = np.full(len(matrix), _INF)
-        self._lp.add_rows(csr_array(matrix), -free, free, first)
-        self._rows_kept = self._lp.num_rows
-        return first, first + 2 * span
-
-    def _add_slack(self, dimension: int) -> Callable[[int], Matrix]:
-        """Add columns for what a goal is missed by; return their coefficients in so many rows."""
-        if self._miss_price is None:
-            return lambda count: np.zeros((count, 0))
-        size = 2 * dimension
-        cost = np.full(size, self._miss_price)
-        self._lp.add_columns(cost, np.zeros(size), np.full(size, _INF))
-        # The goal's rows are the first ones.
-        return lambda count: np.hstack([np.eye(count, dimension), -np.eye(count, dimension)])
+        effort = np.full(2 * span, model.vehicle.cost_weight)
+        open_, free = np.full(count, _INF), np.full(len(matrix), _INF)
+        return Member(
+            cost=np.concatenate([effort, np.zeros(count), np.full(size, self._miss_price or 0.0)]),
+            lower=np.concatenate([np.zeros(2 * span), -open_, np.zeros(size)]),
+            upper=np.concatenate([np.zeros(2 * span), open_, np.full(size, _INF)]),
+            rows=sparse_block(matrix),
+            row_lower=-free,
+            row_upper=free,
+        )
 
     def move(self, hazards: Hazards) -> None:
         """Begin where the vehicles are now.

@@ -16,8 +16,9 @@ from radmpc.planners.certified.turned.linear.given import Layout, Places
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.kept_basis import Bounds, KeptBasis
 from radmpc.planners.certified.turned.linear.margins import Margins
-from radmpc.planners.certified.turned.linear.member import member_of
+from radmpc.planners.certified.turned.linear.member import Member, member_of
 from radmpc.planners.certified.turned.linear.parts import Entered, Rows, are_few, near_first
+from radmpc.program.condensed import CondensedModel
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL
 from radmpc.solvers.solution import Limits
@@ -80,12 +81,16 @@ class GroupLp:
 
     def _add_members(self) -> Indices:
         """Add the vehicles' columns and hard rows; return the first column of each."""
-        members = [member_of(model) for model in self._models]
+        members = [self._member(model) for model in self._models]
         widths = [one.rows.width for one in members]
         self._lp.add_columns(*_joined((one.cost, one.lower, one.upper) for one in members))
         least, most = _joined((one.row_lower, one.row_upper) for one in members)
         self._lp.add_rows(diagonal_rows([one.rows for one in members]), least, most)
         return np.cumsum([0, *widths[:-1]])
+
+    def _member(self, model: CondensedModel) -> Member:
+        """Return what a vehicle contributes."""
+        return member_of(model)
 
     @property
     def work(self) -> float:
