@@ -87,5 +87,26 @@ def test_only_faces_that_were_searched_to_the_end_rule_out_a_plan(
     assert ("Whether a way opens with 8 faces" in answer.explanation) is not is_proven
 
 
+def test_more_faces_that_a_first_look_does_not_tell_of_are_searched_longer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    none_by_faces = WhyNot("No path.", is_proven=True, blocked=(0, 1))
+    monkeypatch.setattr(fallbacks, "turn_from_noiseless", lambda fleet, state, judge: state)
+    monkeypatch.setattr(fallbacks, "why_not", lambda scenario, limits: none_by_faces)
+    asked: list[int] = []
+
+    def feasible(scenario, limits: Limits) -> bool | None:
+        asked.append(scenario.num_pair_faces)
+        return False if limits.seconds_left > 10.0 or scenario.num_pair_faces == 16 else None
+
+    monkeypatch.setattr(fallbacks, "feasible_within", feasible)
+    fleet = Fleet.of(paper(2, 0), 1e-3, Limits().within(60.0))
+    search = PriceSearch.of(fleet, lambda controls: Verdict(1.0, ()))
+    answer = fallbacks.last_resort(search, SearchState.of(fleet)).answer
+    assert asked == [8, 16, 32, 8, 32]
+    assert answer.is_proven
+    assert "not known" not in answer.explanation
+
+
 def test_more_faces_rule_out_nothing_once_time_is_up() -> None:
     assert feasible_within(paper(2, 0), Limits().within(0.0)) is None

@@ -7,7 +7,7 @@ from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.ended import ended
 from radmpc.planners.certified.infeasible.explanation import why_not
 from radmpc.planners.certified.infeasible.least_risk import feasible_within
-from radmpc.planners.certified.more_faces import finer_scenarios
+from radmpc.planners.certified.more_faces import Finer, finer_scenarios
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
@@ -107,31 +107,42 @@ def _from_safest(search: PriceSearch, state: SearchState, answer: WhyNot) -> Sea
 
 def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | None, WhyNot]:
     """Search where more faces leave a plan to vehicles that have none; say what was tried."""
-    fleet = search.fleet
-    scenario, limits = fleet.scenario, fleet.limits
-    tried: list[str] = []
-    untold: list[str] = []
-    for finer in finer_scenarios(scenario):
-        part = finer.scenario.subset(answer.blocked, scenario.risk_bound)
-        has_plan = feasible_within(part, limits.within(TUNING.last_resort.trial))
-        (tried if has_plan is False else untold).append(finer.text)
-        if not has_plan:
-            continue
-        other = Fleet.of(
-            finer.scenario, fleet.gap, limits, progress=fleet.progress, executor=fleet.executor
-        )
-        finer_search, state = PriceSearch.of(other, search.judge), SearchState.of(other)
-        if state.budget > 0.0:
-            state = finer_search.run(state)
-        if state.has_plan:
-            text = f"Planned with {finer.text}. By the faces of the scenario itself: "
-            found = WhyNot(text + answer.explanation, is_proven=False)
-            return LastResort(finer_search, state, found), found
+    scenario, limits = search.fleet.scenario, search.fleet.limits
+    ruled_out: list[str] = []
+    untold = tuple(finer_scenarios(scenario))
+    # All of them shortly first: where one of them leaves a plan, that is soon known, as a rule.
+    for seconds in TUNING.last_resort.trials:
+        still: list[Finer] = []
+        for finer in untold:
+            part = finer.scenario.subset(answer.blocked, scenario.risk_bound)
+            has_plan = feasible_within(part, limits.within(seconds))
+            if has_plan is False:
+                ruled_out.append(finer.text)
+                continue
+            still.append(finer)
+            found = _planned_with(search, finer, answer) if has_plan else None
+            if found is not None:
+                return found, found.answer
+        untold = tuple(still)
     text = answer.explanation
-    if tried:
-        text += f" More faces opened no way: tried were {'; '.join(tried)}."
+    if ruled_out:
+        text += f" More faces opened no way: tried were {'; '.join(ruled_out)}."
     if untold:
-        within = limits.reason or f"each was given {TUNING.last_resort.trial:g} s"
-        text += f" Whether a way opens with {'; or with '.join(untold)}, is not known: {within}."
-    is_proven = answer.is_proven and not untold
-    return None, WhyNot(text, is_proven, answer.controls, answer.sets)
+        within = limits.reason or f"each was given {TUNING.last_resort.trials[-1]:g} s"
+        texts = "; or with ".join(finer.text for finer in untold)
+        text += f" Whether a way opens with {texts}, is not known: {within}."
+    return None, replace(answer, explanation=text, is_proven=answer.is_proven and not untold)
+
+
+def _planned_with(search: PriceSearch, finer: Finer, answer: WhyNot) -> LastResort | None:
+    """Plan with more faces; None where no plan is found."""
+    fleet = search.fleet
+    limits, progress = fleet.limits, fleet.progress
+    other = Fleet.of(finer.scenario, fleet.gap, limits, progress=progress, executor=fleet.executor)
+    finer_search, state = PriceSearch.of(other, search.judge), SearchState.of(other)
+    if state.budget > 0.0:
+        state = finer_search.run(state)
+    if not state.has_plan:
+        return None
+    text = f"Planned with {finer.text}. By the faces of the scenario itself: "
+    return LastResort(finer_search, state, WhyNot(text + answer.explanation, is_proven=False))

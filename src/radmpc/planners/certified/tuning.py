@@ -256,13 +256,14 @@ class LastResortTuning:
 
     Attributes
     ----------
-    trial : float
-        Time to find out whether more faces leave a plan to vehicles that have none [s].
+    trials : tuple of float
+        Time to find out whether more faces leave a plan to vehicles that have none [s], and again
+        for those of which it did not tell.
     faces : mapping of int to tuple of int
         Numbers of faces around pairs that are tried, by dimension [-].
     """
 
-    trial: float = 1.5
+    trials: tuple[float, ...] = (1.5, 15.0)
     faces: Mapping[int, tuple[int, ...]] = field(
         default_factory=lambda: MappingProxyType({2: (8, 16, 32), 3: (14, 26)})
     )
