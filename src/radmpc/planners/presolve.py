@@ -11,6 +11,7 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard, Floors, floors
+from radmpc.planners.endpoints.screening import are_surely_harmless
 from radmpc.planners.shared_reasons import ROUNDING, endpoint_sentences, range_sentences
 from radmpc.planners.wording import endpoints_text, listed
 from radmpc.program.condensed import CondensedModel
@@ -81,7 +82,8 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
         reason = overdrawn_texts(model) or _too_far(scenario, model) or _beyond_reach(model)
         if reason is not None:
             reasons.append(Reason((i,), *reason))
-    reasons += endpoint_reasons(scenario, floors(scenario, models))
+    if not are_surely_harmless(scenario, models):
+        reasons += endpoint_reasons(scenario, floors(scenario, models))
     return reasons + (_lost_ranges(scenario, models) if scenario.keep else [])
 
 

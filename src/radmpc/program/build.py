@@ -34,11 +34,15 @@ __all__ = [
 
 def prediction_matrices(scenario: Scenario) -> tuple[PredictionMatrices, ...]:
     """Return every vehicle's prediction matrices, computed once per distinct system."""
-    by_system: dict[int, PredictionMatrices] = {}
-    for vehicle in scenario.vehicles:
-        if id(vehicle.system) not in by_system:
-            by_system[id(vehicle.system)] = PredictionMatrices.of(vehicle.system, scenario.horizon)
-    return tuple(by_system[id(vehicle.system)] for vehicle in scenario.vehicles)
+    known: dict[tuple[object, ...], PredictionMatrices] = {}
+    found = []
+    for system in (vehicle.system for vehicle in scenario.vehicles):
+        # Of a scenario file every vehicle has a system of its own, the same as others'.
+        key = system.A.tobytes(), system.B.tobytes(), system.position, system.velocity
+        if key not in known:
+            known[key] = PredictionMatrices.of(system, scenario.horizon)
+        found.append(known[key])
+    return tuple(found)
 
 
 def condensed_models(scenario: Scenario) -> tuple[CondensedModel, ...]:

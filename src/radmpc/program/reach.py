@@ -74,10 +74,15 @@ def reach_by_speeds(
         goal_speed = np.minimum(vehicle.goal.speed, limit)
     pushes = bounds @ np.abs(system.B[velocity]).T / dt
     if vehicle.drift is None:
-        forward_up = _full_throttle(speed, pushes, limit, dt)
-        forward_down = _full_throttle(-speed, pushes, limit, dt)
         # Seen backwards in time the vehicle leaves its goal at most at the goal speed.
-        backward_up = backward_down = _full_throttle(goal_speed, pushes[::-1], limit, dt)[::-1]
+        far = _full_throttle(
+            np.concatenate([speed, -speed, goal_speed]),
+            np.hstack([pushes, pushes, pushes[::-1]]),
+            np.tile(limit, 3),
+            dt,
+        )
+        forward_up, forward_down, back = np.hsplit(far, 3)
+        backward_up = backward_down = back[::-1]
     else:
         # Positions gain the mean of both velocities times dt, and what drift adds beyond its share
         # in that mean.

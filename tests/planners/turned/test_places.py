@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.endpoints.floors import floor_of, floors
+from radmpc.planners.endpoints.screening import are_surely_harmless
 from radmpc.program.build import condensed_models
 
 SAMPLES = 200_000
@@ -165,3 +167,44 @@ def test_an_obstacle_that_is_nowhere_for_sure_may_lie_over_a_start():
     track = Obstacle.tracked("box", box, [0.0] * 4, [100.0, 100.0, 0.0, 0.0])
     problem = scenario(vehicle("a", (0, 0), (9, 9)), obstacles=(track,))
     assert 0.0 < found(problem).starts[0].risk < 0.02
+
+
+def crowded(rng, d):
+    """Vehicles among obstacles, near enough for some to be at risk where they start or end."""
+    room = 6.0
+    places = rng.uniform(1.0, room - 1.0, (2, 4, d))
+    everyone = [
+        vehicle(f"v{i}", places[0, i], places[1, i], d=d, covariance=float(rng.uniform(0, 0.02)))
+        for i in range(int(rng.integers(1, 5)))
+    ]
+    obstacles = []
+    for k in range(int(rng.integers(0, 3))):
+        corner = rng.uniform(0.0, room, d)
+        hull = np.concatenate([corner + rng.uniform(0.0, 1.0, (d + 3, d)), corner[None]])
+        if d == 2 and k == 0:
+            obstacles.append(Obstacle.polygon("hull", hull[ConvexHull(hull).vertices]))
+        else:
+            obstacles.append(Obstacle.box(f"box{k}", corner, corner + rng.uniform(0.2, 1.0, d)))
+    walls = Workspace(np.zeros(d), np.full(d, room)) if rng.random() < 0.5 else None
+    bound = float(10.0 ** rng.uniform(-6.0, -0.4))
+    rest = {"obstacles": tuple(obstacles), "workspace": walls, "risk_bound": bound}
+    return scenario(*everyone, **rest)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_what_one_look_calls_harmless_a_closer_one_does_not_rule_out(d):
+    rng, harmless = np.random.default_rng(d), 0
+    for _ in range(150):
+        problem = crowded(rng, d)
+        models = condensed_models(problem)
+        if are_surely_harmless(problem, models):
+            harmless += 1
+            assert floors(problem, models).total <= problem.risk_bound
+    assert 20 < harmless < 130
+
+
+def test_a_closer_look_tells_of_tails_that_are_not_gaussian():
+    far = scenario(vehicle("a", (1, 1), (9, 9)))
+    assert are_surely_harmless(far, condensed_models(far))
+    estimated = scenario(vehicle("a", (1, 1), (9, 9)), covariance_samples=5)
+    assert not are_surely_harmless(estimated, condensed_models(estimated))
