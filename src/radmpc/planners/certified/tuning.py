@@ -257,7 +257,7 @@ class LastResortTuning:
     Attributes
     ----------
     trials : tuple of float
-        Time to tell whether more faces leave a plan to vehicles that have none, first and again [s].
+        Time to tell whether more faces leave a plan to who has none, first and again [s].
     faces : mapping of int to tuple of int
         Numbers of faces around pairs that are tried, by dimension [-].
     """
