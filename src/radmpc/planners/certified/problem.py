@@ -12,21 +12,18 @@ from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.policies.policy import SolveRequest
-from radmpc.program.assembly import DecisionColumns
 from radmpc.program.build import build_program
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass, replace
 from radmpc.solvers.branch.branch import Branch
-from radmpc.solvers.lp.choosing import bounded_lp
-from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
-__all__ = ["Order", "SetProblem", "SetState", "advance", "build_problems", "least_cost"]
+__all__ = ["Order", "SetProblem", "SetState", "advance", "build_problems"]
 
 _TUNED = TUNING.sets
 
@@ -279,17 +276,3 @@ def _rescue(
     solved = Ira().solve(request)
     if solved.solution.z is not None:
         tree.consider(solved.solution.z)
-
-
-def least_cost(columns: DecisionColumns | DisjunctiveProgram) -> float:
-    """Return the least cost of a vehicle in empty space; 0 where it cannot reach its goal.
-
-    Parameters
-    ----------
-    columns : DecisionColumns or DisjunctiveProgram
-        Its columns and hard rows.
-    """
-    lp = bounded_lp(columns.cost, columns.lower, columns.upper)
-    lp.add_rows(columns.hard, columns.hard_lower, columns.hard_upper)
-    outcome, cost = lp.solve()
-    return cost if outcome is LpOutcome.OPTIMAL else 0.0

@@ -10,12 +10,12 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_sets
+from radmpc.planners.certified.least_effort import least_effort
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.nearby import Surroundings
-from radmpc.planners.certified.problem import SetProblem, build_problems, least_cost
+from radmpc.planners.certified.problem import SetProblem, build_problems
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
-from radmpc.program.assembly import decision_columns
 from radmpc.program.build import controls_of
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
@@ -142,9 +142,8 @@ class SetPrograms:
     def least_cost(self, i: int) -> float:
         """Return what a vehicle costs at least in empty space; 0 where it cannot reach its goal."""
         if i not in self._least_costs:
-            known = self._problems.get((i,))
-            columns = known.program if known else decision_columns((self.models[i],))
-            self._least_costs[i] = 0.0 if self.is_costless else least_cost(columns)
+            model = self.models[i]
+            self._least_costs[i] = 0.0 if self.is_costless else least_effort(model).cost
         return self._least_costs[i]
 
     def least_costs(self) -> tuple[float, ...]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.gaussian import Tail
+from radmpc.planners.certified.least_effort import least_effort
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import (
@@ -112,11 +113,14 @@ class SuccessiveLp:
         for i in range(self.hazards.count):
             if self.limits.reached:
                 return False
-            alone = self.programs.of((i,)).alone()
+            alone = least_effort(self.hazards.models[i]).controls
             if alone is None:
-                return False
-            self.paths.fly(i, alone[0])
-            self.ahead.fly(i, alone[0])
+                found = self.programs.of((i,)).alone()
+                if found is None:
+                    return False
+                alone = found[0]
+            self.paths.fly(i, alone)
+            self.ahead.fly(i, alone)
         return True
 
     def restore(self, state: SavedPaths) -> None:
