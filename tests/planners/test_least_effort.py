@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from radmpc.experiments.families import clutter, paper
-from radmpc.planners.certified.least_effort import least_effort
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.successive import SuccessiveLp
+from radmpc.planners.least_effort import least_effort
 from radmpc.program.build import condensed_models
 from radmpc.program.hard import keeps_hard_rows
 from radmpc.program.hazards import Hazards

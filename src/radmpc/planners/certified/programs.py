@@ -10,12 +10,12 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_sets
-from radmpc.planners.certified.least_effort import least_effort
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import SetProblem, build_problems
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
+from radmpc.planners.least_effort import least_effort
 from radmpc.program.build import controls_of
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits

@@ -14,7 +14,6 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.gaussian import Tail
-from radmpc.planners.certified.least_effort import least_effort
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import (
@@ -29,6 +28,7 @@ from radmpc.planners.certified.turned.neighbors import reached_by
 from radmpc.planners.certified.turned.paths import Paths, SavedPaths
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.unforeseen import unforeseen
+from radmpc.planners.least_effort import least_effort
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 
