@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from radmpc.experiments.families import fleet
+from radmpc.planners.certified import acceptance
 from radmpc.planners.certified.acceptance import accept_round
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import price_alone
+from radmpc.planners.certified.rescaling import rescaled
 from radmpc.planners.certified.rounds import run_round
 from radmpc.planners.certified.set_searches import solve_sets
 from radmpc.planners.certified.state.search_state import SearchState
@@ -125,6 +127,28 @@ def test_budgets_of_a_large_fleet_end_with_one_of_which_most_is_used(count, cert
         # After the first plan the budget is one that was tried.
         later = accept_round(problem, state, replace(found, is_initial=False), judge)
         assert later.state.budget == pytest.approx(state.budget)
+
+
+@pytest.mark.parametrize(
+    ("count", "certificate", "is_kept"), [(49, 0.9, True), (49, 1.1, False), (24, 0.9, False)]
+)
+def test_a_large_round_that_is_certified_as_it_is_is_not_rescaled(
+    monkeypatch: pytest.MonkeyPatch, count: int, certificate: float, is_kept: bool
+) -> None:
+    problem = Fleet.of(fleet(count, 1), GAP, Limits(float("inf"), never))
+    state, found = run_round(problem, price_alone(problem, SearchState.of(problem)))
+    rescalings = []
+    monkeypatch.setattr(
+        acceptance, "rescaled", lambda *given: rescalings.append(given) or rescaled(*given)
+    )
+    share = certificate * problem.scenario.risk_bound
+    accepted = accept_round(problem, state, found, lambda controls: Verdict(share, ()))
+    assert (rescalings == []) is is_kept
+    if is_kept:
+        expected = problem.programs.controls(found.sets, [each.z for each in found.plans])
+        kept = accepted.state.incumbent.controls
+        assert all(np.array_equal(a, b) for a, b in zip(kept, expected, strict=True))
+        assert accepted.first_certificate == share
 
 
 def test_programs_that_workers_build_are_those_built_here():

@@ -68,7 +68,8 @@ def accept_round(fleet: Fleet, state: SearchState, candidate: Round, judge: Judg
         The next state, and what the referee said.
     """
     rescaling = _Rescaling(fleet, candidate, judge, state, state.budget, candidate.inter_set_risk)
-    for _ in range(_TUNED.max_rescalings):
+    is_done = rescaling.is_good_as_it_is()
+    for _ in range(0 if is_done else _TUNED.max_rescalings):
         if not rescaling.step():
             break
     return rescaling.finish()
@@ -145,6 +146,26 @@ class _Rescaling:
         is_same = abs(following - self.budget) <= _TUNED.same_budget * self.budget
         self.budget = following
         return not is_same
+
+    def is_good_as_it_is(self) -> bool:
+        """Ask the referee of a large round as it is: what it leaves of Δ turning spends sooner.
+
+        Fleets of 64 to 1,000 take 0.8 to 1.0 of the time, for the same costs. Along intervals the
+        referee finds much less than union bounds, and 96 vehicles took 1.6 of it.
+        """
+        candidate, scenario = self.candidate, self.fleet.scenario
+        if not self.fleet.is_large or scenario.avoidance != "steps":
+            return False
+        risk_bound = scenario.risk_bound
+        union_bound = candidate.risk + candidate.inter_set_risk
+        verdict = self._judge([plan.z for plan in candidate.plans], union_bound)
+        if not TUNING.budgets.nearly * risk_bound <= verdict.certified <= risk_bound:
+            return False
+        self.first = self.last = verdict
+        self.budget = self.low = max(union_bound, self.budget)
+        if candidate.is_initial:
+            self.low = self._next_budget(verdict)
+        return True
 
     def _next_budget(self, verdict: Verdict) -> float:
         """Return the budget at which the certificate is expected to come to Δ, or one between."""
