@@ -108,5 +108,27 @@ def test_more_faces_that_a_first_look_does_not_tell_of_are_searched_longer(
     assert "not known" not in answer.explanation
 
 
+def test_more_faces_that_leave_a_way_but_no_plan_of_all_rule_out_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    none_by_faces = WhyNot("No path.", is_proven=True, blocked=(0, 1))
+    monkeypatch.setattr(fallbacks, "turn_from_noiseless", lambda fleet, state, judge: state)
+    monkeypatch.setattr(fallbacks, "why_not", lambda scenario, limits: none_by_faces)
+    monkeypatch.setattr(
+        fallbacks, "feasible_within", lambda scenario, limits: scenario.num_pair_faces == 16
+    )
+    planned: list[str] = []
+    monkeypatch.setattr(
+        fallbacks, "_planned_with", lambda search, finer, answer: planned.append(finer.text)
+    )
+    fleet = Fleet.of(paper(2, 0), 1e-3, Limits().within(60.0))
+    search = PriceSearch.of(fleet, lambda controls: Verdict(1.0, ()))
+    answer = fallbacks.last_resort(search, SearchState.of(fleet)).answer
+    assert len(planned) == 1
+    assert not answer.is_proven
+    assert "There is a way with 16 faces" in answer.explanation
+    assert "More faces opened no way: tried were 8 faces" in answer.explanation
+
+
 def test_more_faces_rule_out_nothing_once_time_is_up() -> None:
     assert feasible_within(paper(2, 0), Limits().within(0.0)) is None

@@ -68,9 +68,9 @@ def accept_round(fleet: Fleet, state: SearchState, candidate: Round, judge: Judg
         The next state, and what the referee said.
     """
     rescaling = _Rescaling(fleet, candidate, judge, state, state.budget, candidate.inter_set_risk)
-    is_done = rescaling.is_good_as_it_is()
-    for _ in range(0 if is_done else _TUNED.max_rescalings):
-        if not rescaling.step():
+    is_over = rescaling.is_good_as_it_is()
+    for _ in range(_TUNED.max_rescalings):
+        if is_over or not rescaling.step():
             break
     return rescaling.finish()
 

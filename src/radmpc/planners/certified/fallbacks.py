@@ -109,6 +109,7 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
     """Search where more faces leave a plan to vehicles that have none; say what was tried."""
     scenario, limits = search.fleet.scenario, search.fleet.limits
     ruled_out: list[str] = []
+    unplanned: list[Finer] = []
     untold = tuple(finer_scenarios(scenario))
     # All of them shortly first: where one of them leaves a plan, that is soon known, as a rule.
     for seconds in TUNING.last_resort.trials:
@@ -116,22 +117,28 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
         for finer in untold:
             part = finer.scenario.subset(answer.blocked, scenario.risk_bound)
             has_plan = feasible_within(part, limits.within(seconds))
-            if has_plan is False:
+            if has_plan is None:
+                still.append(finer)
+            elif not has_plan:
                 ruled_out.append(finer.text)
-                continue
-            still.append(finer)
-            found = _planned_with(search, finer, answer) if has_plan else None
-            if found is not None:
-                return found, found.answer
+            else:
+                found = _planned_with(search, finer, answer)
+                if found is not None:
+                    return found, found.answer
+                unplanned.append(finer)
         untold = tuple(still)
     text = answer.explanation
     if ruled_out:
         text += f" More faces opened no way: tried were {'; '.join(ruled_out)}."
+    if unplanned:
+        texts = "; or with ".join(finer.text for finer in unplanned)
+        text += f" There is a way with {texts}, but no plan of the whole fleet was found by it."
     if untold:
         within = limits.reason or f"each was given {TUNING.last_resort.trials[-1]:g} s"
         texts = "; or with ".join(finer.text for finer in untold)
         text += f" Whether a way opens with {texts}, is not known: {within}."
-    return None, replace(answer, explanation=text, is_proven=answer.is_proven and not untold)
+    is_proven = answer.is_proven and not (untold or unplanned)
+    return None, replace(answer, explanation=text, is_proven=is_proven)
 
 
 def _planned_with(search: PriceSearch, finer: Finer, answer: WhyNot) -> LastResort | None:
