@@ -13,6 +13,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.phases import by_faces, time_shares
 from radmpc.planners.certified.phases.by_faces import bound_faces_of_each
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
+from radmpc.planners.certified.proof.search import BoundSearch
 from radmpc.planners.certified.state.bounds import reported_bound
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
@@ -108,6 +109,17 @@ def test_a_plan_is_not_called_the_best_where_faces_leave_none(
 def test_a_search_leaves_it_time_of_the_limit() -> None:
     limits = Limits().within(100.0)
     search = time_shares.limits_of_search(limits)
-    left = search.seconds_left - time_shares.but_for_faces(search, limits).seconds_left
+    left = search.seconds_left - time_shares.but_for_faces(search, limits, 0.25).seconds_left
     assert left == pytest.approx(25.0, abs=1.0)
-    assert time_shares.but_for_faces(Limits(), Limits()).seconds_left == float("inf")
+    assert time_shares.but_for_faces(Limits(), Limits(), 0.25).seconds_left == float("inf")
+
+
+def test_vehicles_that_risk_nothing_alone_do_not_move_its_price() -> None:
+    centralized = Planner(Ira(), Branch(), Centralized())
+    problem, state, _ = left_open(replace(paper(2, 0), obstacles=()), centralized, 1.05, 2.0)
+    base = float(sum(problem.base))
+    search = BoundSearch(problem, state.incumbent, 2.0, base, 4000.0, is_by_faces=True)
+    search.regroup(problem.singles)
+    search.advance(100, 0, search.order)
+    assert not search.moves_price(10.0)
+    assert search.price == 2.0

@@ -7,8 +7,9 @@ from types import SimpleNamespace
 import pytest
 
 from radmpc.experiments.families import fleet
-from radmpc.planners.certified.proof.promise import hidden_value, is_slow
+from radmpc.planners.certified.proof.promise import hidden_value, is_slow, unsearched_value
 from radmpc.planners.certified.proof.search import BoundSearch
+from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planning import plan
 
 
@@ -66,5 +67,13 @@ def test_what_is_not_worth_a_search_promises_nothing(unsearched: float, *, is_fu
         _paid_for_hazards=lambda members: unsearched,
         _left=lambda: 3.0,
         _missing=lambda: 6.0,
+        price=2.0,
+        fleet=SimpleNamespace(scenario=SimpleNamespace(risk_bound=0.05)),
     )
     assert BoundSearch._is_futile(search, worth=1.0) is is_futile
+
+
+def test_sets_too_large_for_one_search_may_be_charged_for_their_risk_too() -> None:
+    large = tuple(range(TUNING.most_together + 1))
+    assert unsearched_value({(0,): 3.0, (1, 2): 0.5}, 1.0, 0.1) == 3.0
+    assert unsearched_value({(0,): 3.0, large: 5.0}, 1.0, 0.1) == pytest.approx(8.1)

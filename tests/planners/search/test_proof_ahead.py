@@ -164,5 +164,8 @@ def test_what_is_known_of_sets_is_found_again_when_they_are_merged():
     assert proven_within((0, 1), known) == {(1,): "one"}
 
 
-def test_vehicles_of_large_sets_are_parted():
-    assert parts_of([(3, 1), tuple(range(4, 14))]) == ((1, 3), *((i,) for i in range(4, 14)))
+def test_vehicles_of_large_sets_are_parted_among_many_obstacles():
+    sets = [(3, 1), tuple(range(4, 14))]
+    assert parts_of(sets, 12) == ((1, 3), *((i,) for i in range(4, 14)))
+    assert parts_of(sets, 11) == ((1, 3), tuple(range(4, 14)))
+    assert parts_of([tuple(range(25))], 0) == tuple((i,) for i in range(25))

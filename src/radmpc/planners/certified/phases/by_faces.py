@@ -105,6 +105,7 @@ def bound_faces_of_each(
         search = _continued(search, fleet)
         _advance(search, fleet.singles, range(TUNING.efforts_alone, TUNING.efforts))
         state = _turned_to_alone(search, state, judge)
+        _choose_price(search, incumbent.sets, price)
         _advance(search, incumbent.sets, range(TUNING.efforts))
     # Where faces leave no plan at all, the one at hand is best among none.
     return _with_bound(state, left, search.best) if search.best < float("inf") else state
@@ -137,6 +138,21 @@ def _move_price(search: BoundSearch, sets: tuple[Members, ...], efforts: int) ->
         if search.bound_here() <= bound:
             search.price = price
             return
+
+
+def _choose_price(search: BoundSearch, sets: tuple[Members, ...], other: float) -> None:
+    """Go on at the price that a first effort for sets proves more with.
+
+    Vehicles alone that hardly risk anything make risk cheap, which those that meet others do not.
+    """
+    found = search.price
+    if max(map(len, sets)) == 1 or found == other:
+        return
+    _advance(search, sets, range(1))
+    bound, search.price = search.bound_here(), other
+    _advance(search, sets, range(1))
+    if search.bound_here() <= bound:
+        search.price = found
 
 
 def _continued(search: BoundSearch, fleet: Fleet) -> BoundSearch:

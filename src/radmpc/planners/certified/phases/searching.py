@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -35,6 +36,10 @@ from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import Limits
 from radmpc.system.memory import hand_back_freed
+
+if TYPE_CHECKING:
+    # Not along intervals.
+    from radmpc.planners.certified.phases.ahead import Ahead
 
 __all__ = ["SearchResult", "searched", "tell"]
 
@@ -116,14 +121,14 @@ def searched(
     proven: Proven = {}
     on_any, is_dear = -np.inf, False
     if is_tight and first.controls:
-        from radmpc.planners.certified.phases.ahead import prove_ahead  # noqa: PLC0415 - not along intervals
-
-        run.progress("proving", 0, 1)
-        ahead = prove_ahead(fleet, first, run.judge, proof_seconds)
+        ahead = _ahead(fleet, first, run, proof_seconds)
         first, on_any, proven = ahead.state.incumbent, ahead.on_any, ahead.proven
         if ahead.is_closed:
             return SearchResult(search, ahead.state, first, None, None, on_any, True)
         state = replace(state, budget_bounds=ahead.state.budget_bounds)
+        begin = _begin_with(first, scenario, begin, run.limits)
+        search = PriceSearch.of(fleet.with_limits(begin), run.judge, first.cost)
+        fleet = search.fleet
     if not fleet.programs.build_alone(run.limits, run.executor):
         return replace(_cut_off(search, state, first, run.limits), on_any=on_any, proven=proven)
     if not is_tight and first.controls:
@@ -146,6 +151,14 @@ def searched(
     return replace(found, on_any=on_any, proven=proven)
 
 
+def _ahead(fleet: Fleet, first: FleetIncumbent, run: Run, proof_seconds: float | None) -> Ahead:
+    """Prove what any certified plan costs at least before the search."""
+    from radmpc.planners.certified.phases.ahead import prove_ahead  # noqa: PLC0415 - not along intervals
+
+    run.progress("proving", 0, 1)
+    return prove_ahead(fleet, first, run.judge, proof_seconds)
+
+
 def _by_last_resort(
     search: PriceSearch, state: SearchState, first: FleetIncumbent, *, is_persistent: bool
 ) -> SearchResult:
@@ -158,8 +171,11 @@ def _by_last_resort(
 
 def _begin_with(first: FleetIncumbent, scenario: Scenario, begin: Limits, limits: Limits) -> Limits:
     """Return when the search ends: among obstacles, or in small fleets, others may come further."""
-    is_followed = bool(scenario.obstacles) or is_searched_nearby(scenario)
-    return but_for_faces(begin, limits) if first.controls and is_followed else begin
+    if not first.controls:
+        return begin
+    if is_searched_nearby(scenario):
+        return but_for_faces(begin, limits, PHASES.face_share_in_the_open)
+    return but_for_faces(begin, limits, PHASES.face_share) if scenario.obstacles else begin
 
 
 def _cut_off(

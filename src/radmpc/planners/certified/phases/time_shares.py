@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 
 from radmpc.arrays import Matrix
-from radmpc.planners.certified.phases.tuning import TUNING as PHASES
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge, Verdict
@@ -84,7 +83,7 @@ def limits_of_search(limits: Limits) -> Limits:
     return limits.within(seconds - kept - PROOF_TUNING.reserve * seconds)
 
 
-def but_for_faces(search: Limits, limits: Limits) -> Limits:
+def but_for_faces(search: Limits, limits: Limits, share: float) -> Limits:
     """Return limits of a search that leave time for bounding plans by faces after it.
 
     Parameters
@@ -93,11 +92,13 @@ def but_for_faces(search: Limits, limits: Limits) -> Limits:
         Of the search.
     limits : Limits
         Of the plan.
+    share : float
+        Of the time left [-].
     """
     left = limits.seconds_left
     if left == float("inf"):
         return search
-    return search.within(max(search.seconds_left - PHASES.face_share * left, 0.0))
+    return search.within(max(search.seconds_left - share * left, 0.0))
 
 
 def but_for_proof(limits: Limits, elapsed: float) -> Limits:

@@ -53,6 +53,9 @@ class Tuning:
     face_share : float
         Share of the time limit that the search leaves to that bound, where there are obstacles and
         a first plan [-]: with 0.35 `clutter(10, 100, 1)` along intervals is 5 % dearer after 20 s.
+    face_share_in_the_open : float
+        The same of a few vehicles without obstacles [-], whose plans neighborhoods make cheaper:
+        within 60 s `multi_square8` comes to 0.9 % by faces with 0.6, to 2.0 with 0.25.
     least_vehicles, efforts_first, alone_share : int, int, float
         Vehicles from which on every one is searched alone before the search [-]: of four the search
         finds the same sides. Rounds of that, each with twice the nodes of the last, and share of
@@ -70,7 +73,8 @@ class Tuning:
         of the time for the search that this may take [-].
     most_led, idle_neighborhoods : int
         Vehicles of a neighborhood at most [-], and neighborhoods in a row without a cheaper plan
-        after which no other is searched [-]: of `zigzag` one in ten gains 2 to 10 %.
+        after which no other is searched [-]: of `zigzag` one in ten gains 2 to 10 %, and of
+        `multi_square8` 40 end at 27.32 to 27.43, 100 at 27.23 to 27.29.
     efforts_alone : int
         Rounds of that bound of every vehicle alone, after which mixed-integer programs are tried
         [-]: of `parking` they have shown by then that they take far longer.
@@ -105,6 +109,7 @@ class Tuning:
     left: float = 0.3
     efforts: int = 16
     face_share: float = 0.25
+    face_share_in_the_open: float = 0.6
     least_vehicles: int = 6
     efforts_first: int = 2
     alone_share: float = 0.65
@@ -116,7 +121,7 @@ class Tuning:
     dear: float = 0.3
     least_together: int = 3
     most_led: int = 3
-    idle_neighborhoods: int = 40
+    idle_neighborhoods: int = 100
     efforts_alone: int = 5
     efforts_for_price: int = 2
     price_moves: int = 6

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.proof.packing import gains_of, packed
 from radmpc.planners.certified.proof.tuning import TUNING
 
 if TYPE_CHECKING:
@@ -26,22 +28,26 @@ Proven = Mapping[Members, Mapping[Members, "RelaxedSet"]]
 """What is known of parts of a fleet, by the vehicles' places in each."""
 
 
-def parts_of(sets: Sequence[Members]) -> tuple[Members, ...]:
+def parts_of(sets: Sequence[Members], num_obstacles: int) -> tuple[Members, ...]:
     """Return the parts of a fleet that are searched as wholes: any parting of it gives a bound.
 
     Parameters
     ----------
     sets : sequence of tuple of int
         A partition of the fleet.
+    num_obstacles : int
+        Obstacles of the fleet [-]: among many, programs of pairs alone are large.
 
     Returns
     -------
     tuple of tuple of int
         The same, but that vehicles of large sets are alone.
     """
+    is_open = num_obstacles < TUNING.many_obstacles
+    most = TUNING.most_in_pairs if is_open else TUNING.most_together
     parts: list[Members] = []
     for members in sets:
-        is_small = len(members) <= TUNING.most_together
+        is_small = len(members) <= most
         parts += [tuple(sorted(members))] if is_small else [(i,) for i in members]
     return tuple(parts)
 
@@ -100,7 +106,10 @@ def bounds_within(members: Members, proven: Proven, price: float) -> dict[Member
 
 
 def bound_together(
-    sets: Mapping[Members, RelaxedSet], base: Sequence[float], price: float
+    sets: Mapping[Members, RelaxedSet],
+    base: Sequence[float],
+    price: float,
+    below: Mapping[Members, float] = MappingProxyType({}),
 ) -> float:
     """Return what the vehicles of a part cost at least, by what is proven of any of them.
 
@@ -115,14 +124,18 @@ def bound_together(
         What each of them is known to cost at least.
     price : float
         Cost per unit of probability; what was proven at another does not count.
+    below : mapping of tuple of int to float
+        What else is proven of vehicles of the part, by their places in it.
     """
     bounds = {places: one.bound for places, one in sets.items() if one.price == price}
-    alone = [max(bounds.get((place,), least), least) for place, least in enumerate(base)]
+    bounds |= {m: max(bound, bounds.get(m, 0.0)) for m, bound in below.items()}
     whole = bounds.pop(tuple(range(len(base))), 0.0)
-    gains = {places: bound - sum(alone[i] for i in places) for places, bound in bounds.items()}
-    total, left = sum(alone), set(range(len(base)))
+    total, gains = gains_of(bounds, dict(enumerate(base)))
+    if max(map(len, gains), default=0) > 2:
+        return max(total + packed(gains)[0], whole)
+    left = set(range(len(base)))
     for places in sorted(gains, key=lambda one: gains[one], reverse=True):
-        if gains[places] > 0.0 and left.issuperset(places):
+        if left.issuperset(places):
             total += gains[places]
             left.difference_update(places)
     return max(total, whole)
@@ -175,6 +188,7 @@ class PartTotals:
         sets: Mapping[Members, RelaxedSet],
         base: Sequence[float],
         price: float,
+        below: Mapping[Members, float],
     ) -> float:
         """Return `bound_together` of a part.
 
@@ -182,14 +196,14 @@ class PartTotals:
         ----------
         members : tuple of int
             The part.
-        sets, price
+        sets, price, below
             As there.
         base : sequence of float
             What every vehicle of the fleet is known to cost at least, the same in all calls.
         """
         latest = self._bounds.get(members)
         if latest is None or latest[0] is not sets or latest[1] != price:
-            bound = bound_together(sets, [base[i] for i in members], price)
+            bound = bound_together(sets, [base[i] for i in members], price, below)
             latest = self._bounds[members] = sets, price, bound
         return latest[2]
 

@@ -124,6 +124,8 @@ class PartOrder:
         Nodes of all its sets together, after which nothing more is begun [-].
     is_whole : bool
         Whether hazards far from the plan at hand count where they matter; few do.
+    most_fewer : int
+        Vehicles of the largest sets that are searched before one of more vehicles is [-].
     enough : float
         Bound of the whole part with which that of the fleet is good enough; inf where not known.
     """
@@ -135,7 +137,31 @@ class PartOrder:
     worth: float
     most_nodes: float
     is_whole: bool
+    most_fewer: int = 2
     enough: float = float("inf")
+
+    @classmethod
+    def of_effort(
+        cls, effort: int, nodes: int, price: float, num_directions: int, worth: float, spare: float
+    ) -> PartOrder:
+        """Return what is asked in a later effort: more nodes, finer gaps, sets of more vehicles.
+
+        Parameters
+        ----------
+        effort : int
+            How often the nodes are doubled [-].
+        nodes : int
+            Nodes per vehicle of a set without any more effort [-].
+        price, num_directions, worth
+            As in `PartOrder`.
+        spare : float
+            Nodes of all sets together [-].
+        """
+        nodes, gap = nodes * 2**effort, TUNING.set_gap * TUNING.finer**effort
+        # Where a few hundred nodes do, pairs are enough.
+        more = (nodes // TUNING.nodes_of_pairs).bit_length()
+        asked = worth, spare, effort > 0, min(2 + more, TUNING.most_together)
+        return cls(price, num_directions, gap, nodes, *asked)
 
     def is_done(self, found: RelaxedSet) -> bool:
         """Tell whether no search of a set at this price is worth more nodes."""

@@ -1,4 +1,4 @@
-"""Searching a part of the fleet in the proof, its vehicles alone and in pairs before."""
+"""Searching a part of the fleet in the proof, sets of fewer of its vehicles before."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from radmpc.arrays import Tensor
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.nearby import Surroundings
+from radmpc.planners.certified.proof.fewer import Fewer
 from radmpc.planners.certified.proof.grouping import surplus
 from radmpc.planners.certified.proof.part import Part, PartAnswer, PartOrder, PartTask
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
@@ -16,7 +17,7 @@ from radmpc.planners.certified.proof.tubes import in_empty_space, within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.program.build import point_of
 from radmpc.program.relaxed.shared_rows import SharedCones, SharedRows
-from radmpc.records import dataclass, replace
+from radmpc.records import dataclass, field, replace
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
 
@@ -75,6 +76,12 @@ class _PartSearch:
     shared: SharedRows
     nodes: int = 0
     surroundings: Surroundings | None = None
+    visited: set[Members] = field(default_factory=set)
+
+    @property
+    def _fewer(self) -> Fewer:
+        """What is known of sets of fewer vehicles."""
+        return Fewer(self.part, self.order, self.sets)
 
     @property
     def _has_spent(self) -> bool:
@@ -84,24 +91,17 @@ class _PartSearch:
     def advance(self, blocks: Members) -> bool:
         """Search a set on, smaller ones before; tell whether there was anything to do."""
         order, proven = self.order, self.sets.get(blocks)
-        if self._has_spent:
+        if self._has_spent or blocks in self.visited:
             return False
-        if proven is None and self.part.paid_for_hazards(blocks) <= order.worth:
-            return False
-        if proven is not None and order.is_done(proven):
+        self.visited.add(blocks)
+        is_little = proven is None and self.part.paid_for_hazards(blocks) <= order.worth
+        if is_little or (proven is not None and order.is_done(proven)):
             return False
         # Fewer vehicles first: their programs are small, and what they cost at least adds up.
         bounds = self._bounds_of_fewer(blocks)
-        if proven is None:
-            if self.limits.reached:
-                return True
-            most = self._most_value(blocks) if self.part.is_narrowed else float("inf")
-            around = None if self.order.is_whole else self._paths(blocks)
-            proven = self._relaxed(blocks, most, around)
-        elif self.order.is_whole and not proven.is_complete:
-            proven = self._relaxed(blocks, proven.most).continued(proven)
-        elif proven.built is None:
-            proven = proven.built_anew(self._relaxed(blocks, proven.most, proven.around))
+        if self._is_too_large(blocks) or (proven is None and self.limits.reached):
+            return True
+        proven = self._built(blocks, proven)
         if any(bound.value == float("inf") for bound in bounds):
             # Some of them have no plan by faces at any price, so all together have none.
             self.sets[blocks] = replace(proven, price=order.price, bound=float("inf"))
@@ -110,21 +110,58 @@ class _PartSearch:
         self._search_on(blocks, proven, bounds, int(min(order.nodes * len(blocks), left)))
         return True
 
+    def _built(self, blocks: Members, proven: RelaxedSet | None) -> RelaxedSet:
+        """Return a set with the program to search on, if it is not at hand."""
+        if proven is None:
+            most = self._most_value(blocks) if self.part.is_narrowed else float("inf")
+            around = None if self.order.is_whole else self._paths(blocks)
+            return self._relaxed(blocks, most, around)
+        if self.order.is_whole and not proven.is_complete:
+            return self._relaxed(blocks, proven.most).continued(proven)
+        if proven.built is None:
+            return proven.built_anew(self._relaxed(blocks, proven.most, proven.around))
+        return proven
+
     def _bounds_of_fewer(self, blocks: Members) -> tuple[SetBound, ...]:
-        """Search the vehicles of a set alone and in pairs; return what that proves."""
-        bounds: list[SetBound] = []
+        """Search sets of fewer vehicles of a set; return what that proves."""
+        bounds: dict[Members, float] = {}
         for size in range(1, min(len(blocks), 3)):
-            for places in combinations(range(len(blocks)), size):
-                value = self._bound_of(tuple(blocks[place] for place in places))
+            for fewer in combinations(blocks, size):
+                value = self._bound_of(fewer)
                 if value is not None:
-                    bounds.append(SetBound(frozenset(places), value))
+                    bounds[fewer] = value
+        most = self.order.most_fewer
+        if self._is_climbed(blocks):
+            self._climb(blocks, min(most, len(blocks) - 1))
+            bounds |= self._fewer.largest(blocks)
         if blocks in self.part.below:
-            bounds.append(SetBound(frozenset(range(len(blocks))), self.part.below[blocks]))
-        return tuple(bounds)
+            bounds[blocks] = self.part.below[blocks]
+        place = {block: number for number, block in enumerate(blocks)}
+        return tuple(SetBound(frozenset(place[i] for i in m), v) for m, v in bounds.items())
+
+    def _climb(self, blocks: Members, most: int) -> None:
+        """Search sets of three and more of a set's vehicles, as its bound may be made of them."""
+        if len(blocks) <= TUNING.most_together:
+            for triple in combinations(blocks, 3):
+                self.advance(triple)
+        for size in range(3, most + 1):
+            while not self._has_spent and (chosen := self._fewer.next(blocks, size, self.visited)):
+                self.advance(chosen)
+
+    def _is_too_large(self, blocks: Members) -> bool:
+        """Whether sets of fewer vehicles of a set are searched first, and all together later."""
+        most, together = self.order.most_fewer, TUNING.most_together
+        is_climbed = self._is_climbed(blocks) or len(blocks) > together
+        return is_climbed and most < min(len(blocks) - 1, together)
+
+    def _is_climbed(self, blocks: Members) -> bool:
+        """Whether sets of three and more of a set's vehicles are searched before it is."""
+        is_large = len(blocks) >= TUNING.least_climbed and not self.part.is_narrowed
+        return is_large and self.order.most_fewer > 2
 
     def _bound_of(self, blocks: Members) -> float | None:
         """Return what is proven of a part of a set, searched for it where nothing else says so."""
-        if blocks in self.part.below:
+        if blocks in self.part.below and len(self.part.members) <= TUNING.most_together:
             return self.part.below[blocks]
         self.advance(blocks)
         proven = self.sets.get(blocks)

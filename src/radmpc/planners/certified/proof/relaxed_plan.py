@@ -8,13 +8,41 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.program.build import controls_of
 from radmpc.program.condensed import CondensedModel
 
-__all__ = ["relaxed_plan"]
+__all__ = ["best_points", "relaxed_plan"]
 
 _SAME = 1e-6
 """Difference of controls up to which two plans are one [in the units of controls]."""
+
+
+def best_points(proven: Proven, order: Sequence[Members]) -> dict[Members, Vector]:
+    """Return the best points of the relaxation of parts.
+
+    Parameters
+    ----------
+    proven : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+        What is known of parts.
+    order : sequence of tuple of int
+        The parts.
+
+    Returns
+    -------
+    dict of tuple of int to (n,) array
+        Of every part that was searched as a whole, and else of sets of its vehicles that share
+        none, the largest first.
+    """
+    points: dict[Members, Vector] = {}
+    for part in order:
+        known, left = proven.get(part, {}), set(range(len(part)))
+        for places in sorted(known, key=len, reverse=True):
+            best = known[places].best
+            if best is not None and left.issuperset(places):
+                points[tuple(part[place] for place in places)] = best.z
+                left.difference_update(places)
+    return points
 
 
 def relaxed_plan(
@@ -29,7 +57,7 @@ def relaxed_plan(
     controls : sequence of (T, m) array
         Of the plan at hand.
     found : mapping of tuple of int to (n,) array
-        Best points of the relaxation of parts.
+        `best_points`.
 
     Returns
     -------

@@ -16,7 +16,7 @@ from radmpc.planners.certified.proof.grouping import (
     parts_of,
     proven_within,
 )
-from radmpc.planners.certified.proof.next_price import better_price
+from radmpc.planners.certified.proof.next_price import better_price, risk_of
 from radmpc.planners.certified.proof.part import (
     Part,
     PartAnswer,
@@ -26,8 +26,8 @@ from radmpc.planners.certified.proof.part import (
     tails_for,
 )
 from radmpc.planners.certified.proof.part_search import search_part, search_part_elsewhere
-from radmpc.planners.certified.proof.promise import hidden_value, is_slow
-from radmpc.planners.certified.proof.relaxed_plan import relaxed_plan
+from radmpc.planners.certified.proof.promise import hidden_value, is_slow, unsearched_value
+from radmpc.planners.certified.proof.relaxed_plan import best_points, relaxed_plan
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
@@ -110,7 +110,7 @@ class BoundSearch:
         sets : tuple of tuple of int
             A partition of the fleet.
         """
-        parts = parts_of(sets)
+        parts = parts_of(sets, len(self.fleet.scenario.obstacles))
         self.proven = {members: proven_within(members, self.proven) for members in parts}
         self._totals = PartTotals(self.proven)
         self.order = tuple(sorted(parts, key=self._paid_for_hazards, reverse=True))
@@ -159,15 +159,15 @@ class BoundSearch:
 
     def moves_price(self, most_step: float = TUNING.most_step) -> bool:
         """Move the price, by a factor at most, if relaxed plans risk far more or less than Δ."""
-        risks = (whole.best.risk for _, whole in self._found() if whole.best is not None)
-        before = self.price
-        self.price = better_price(before, sum(risks) / self.fleet.scenario.risk_bound, most_step)
+        before, risk = self.price, risk_of(whole for _, whole in self._found())
+        if risk is not None:
+            self.price = better_price(before, risk / self.fleet.scenario.risk_bound, most_step)
         return self.price != before
 
     def relaxed_controls(self) -> tuple[Matrix, ...]:
         """Return the best plan of the relaxation; nothing where it is the plan at hand."""
-        best = {m: whole.best.z for m, whole in self._found() if whole.best is not None}
-        return relaxed_plan(self.fleet.programs.models, self.incumbent.controls, best)
+        points = best_points(self.proven, self.order)
+        return relaxed_plan(self.fleet.programs.models, self.incumbent.controls, points)
 
     @property
     def value(self) -> float:
@@ -188,7 +188,8 @@ class BoundSearch:
     def _bound_of(self, members: Members) -> float:
         """Return the bound of a part at the present price."""
         sets = self.proven.get(members, {})
-        return self._totals.bound_of(members, sets, self.fleet.base, self.price)
+        below = self.parts[members].below if members in self.parts else {}
+        return self._totals.bound_of(members, sets, self.fleet.base, self.price, below)
 
     def _paid_for_hazards(self, members: Members) -> float:
         """Return what a set's plan costs beyond the least in empty space."""
@@ -225,10 +226,9 @@ class BoundSearch:
         num_directions : int
             Directions around every hazard; of no meaning by faces.
         """
-        gap, nodes, is_new = TUNING.set_gap * TUNING.finer**effort, nodes * 2**effort, False
-        worth = TUNING.worth * self.gap * self.incumbent.cost
-        spare = self.most_nodes - self.nodes
-        order = PartOrder(self.price, num_directions, gap, nodes, worth, spare, effort > 0)
+        is_new, worth = False, TUNING.worth * self.gap * self.incumbent.cost
+        asked = self.price, num_directions, worth, self.most_nodes - self.nodes
+        order = PartOrder.of_effort(effort, nodes, *asked)
         with closing(self._answers(order, parts)) as answers:
             for members, answer in answers:
                 is_new |= answer.is_new
@@ -246,10 +246,10 @@ class BoundSearch:
     def _is_futile(self, worth: float) -> bool:
         """Whether even a search to the end would not do, and leave most of the gap open."""
         found = dict(self._found())
-        paid = (self._paid_for_hazards(m) for m in self.order if m not in found)
+        paid = {m: self._paid_for_hazards(m) for m in self.order if m not in found}
         left = self._left() + hidden_value(found.items(), self._paid_for_hazards)
-        # What pays less than is worth a search is never searched.
-        most = left + sum(each for each in paid if each > worth)
+        at_risk = self.price * self.fleet.scenario.risk_bound
+        most = left + unsearched_value(paid, worth, at_risk)
         is_little = left <= TUNING.futile * (self.incumbent.cost - self.bound_here())
         return most < self._missing() and is_little
 

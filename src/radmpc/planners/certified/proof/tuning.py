@@ -26,8 +26,12 @@ class Tuning:
         is 0.50, 0.35 and 0.27 % on `paper(8)`, 0.52, 0.13 and 0.10 % on `circle(4)`, in 940, 1,400
         and 1,700, and 430, 890 and 1,180 nodes.
     most_together : int
-        Vehicles of a set that are searched together; those of larger ones are searched alone [-]:
-        pairs alone of twenty robots among two hundred boxes took 2 GB and half a minute.
+        Vehicles of a set that are searched together from the first; those of larger ones are
+        searched alone among many obstacles, and elsewhere in sets of up to as many [-]: pairs alone
+        of twenty robots among two hundred boxes took 2 GB and half a minute.
+    most_in_pairs : int
+        Vehicles of a set up to which sets of fewer are searched among few obstacles [-]: 24 have
+        276 pairs, which take a second.
     many_obstacles : int
         Obstacles from which the reach of vehicles is narrowed first to that of plans cheaper than
         the incumbent, and then to that of plans up to one value after the other [-].
@@ -45,6 +49,19 @@ class Tuning:
         ``rounds`` [-].
     rounds : int
         Rounds of a set at most, each with twice the nodes of the last [-].
+    nodes_of_pairs : int
+        Nodes per vehicle of a set up to which its vehicles are searched alone and in pairs before
+        it; with twice as many in threes, and so on [-]. With 200 `fleet(16, 20)`, whose sets of
+        four are soon done, is left 1.5 % from any certified plan instead of 0.8.
+    least_climbed : int
+        Vehicles of a set from which on sets of three and more of them are searched before it [-]:
+        with 4, `circle(5)` is left 1.7 % from any certified plan instead of 1.0, and the bound of
+        `circle(8)` by sets of five takes 6.0 s instead of 4.0.
+    first_growth : float
+        What a set of four is expected to gain over what its triples gain [-], before any is
+        searched: of `circle(8)` 1.18, of `multi_square8` 1.2; for each more as much again.
+    least_weight : float
+        Weight up to which a set counts as no part of a packing [-].
     set_gap : float
         Relative gap of the first search of a set [-]: with 0.004 `fleet(256)` takes 6.5 s instead
         of 5.6, and `circle(8)` is 10.74 % from its bound after 1,000 looks at the clock instead of
@@ -88,12 +105,17 @@ class Tuning:
     doubtful: float = 0.02
     directions: tuple[int, ...] = (16,)
     most_together: int = 8
+    most_in_pairs: int = 24
     many_obstacles: int = 12
     try_nodes: int = 300
     stage: float = 0.25
     last_stage: float = 0.3
     nodes: int = 150
-    rounds: int = 4
+    rounds: int = 8
+    nodes_of_pairs: int = 600
+    least_climbed: int = 6
+    first_growth: float = 1.2
+    least_weight: float = 1e-9
     set_gap: float = 2e-3
     finer: float = 0.4
     worth: float = 0.02
