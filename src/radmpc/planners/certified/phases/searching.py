@@ -22,6 +22,7 @@ from radmpc.planners.certified.phases.time_shares import but_for_faces, limits_o
 from radmpc.planners.certified.phases.tuning import TUNING as PHASES
 from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.norms import outside_norms_of
+from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.bounds import finite
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
@@ -173,9 +174,11 @@ def _begin_with(first: FleetIncumbent, scenario: Scenario, begin: Limits, limits
     """Return when the search ends: among obstacles, or in small fleets, others may come further."""
     if not first.controls:
         return begin
-    if is_searched_nearby(scenario):
+    is_nearby = is_searched_nearby(scenario)
+    if is_nearby and scenario.num_vehicles <= PROOF_TUNING.most_together:
         return but_for_faces(begin, limits, PHASES.face_share_in_the_open)
-    return but_for_faces(begin, limits, PHASES.face_share) if scenario.obstacles else begin
+    is_followed = is_nearby or bool(scenario.obstacles)
+    return but_for_faces(begin, limits, PHASES.face_share) if is_followed else begin
 
 
 def _cut_off(
