@@ -10,6 +10,7 @@ import pytest
 
 from radmpc.console.commands import check as command
 from radmpc.console.files import demo_text
+from radmpc.data import template
 
 from .conftest import CROSSING, Run
 
@@ -73,10 +74,28 @@ def test_what_cannot_be_told_is_said_to_be_unknown(run: Run, tmp_path: Path) -> 
     result = run("check", path)
     assert result.exit_code == 0
     assert result.stdout.count("5 steps away at least, horizon 2 steps (2 s)") == 2
-    assert result.stdout.splitlines()[-1].endswith("?")
+    *_, west, _, note = result.stdout.splitlines()
+    assert west.endswith("?")
+    assert note == "?: no path to the goal is known that the vehicle can fly in time"
     told = json.loads(run("check", path, "--json").stdout)
     assert told["vehicles"][0]["saturation"] is None
     assert told["vehicles"][0]["narrowest"]["found"] == "unknown"
+
+
+def test_what_is_not_computed_in_space_is_said_not_to_be(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "drones.yaml"
+    path.write_text(template("drones"), encoding="utf-8")
+    for columns in (200, 60):
+        monkeypatch.setattr(command, "width", lambda columns=columns: columns)
+        result = run("check", path)
+        assert "?" not in result.stdout
+        assert result.stdout.count("not computed") == 3
+        assert result.stdout.splitlines()[-1].startswith("not computed: what the vehicle can reach")
+    places = [v["narrowest"] for v in json.loads(run("check", path, "--json").stdout)["vehicles"]]
+    assert [place["found"] for place in places] == ["too large", "wide", "wide", "too large"]
+    assert places[0]["clearance"] is None
 
 
 def test_the_shipped_scenario_has_nothing_to_warn_of(run: Run, tmp_path: Path) -> None:

@@ -163,7 +163,7 @@ def test_a_gap_in_space_is_measured() -> None:
 def test_a_world_too_large_for_the_hull_is_not_judged() -> None:
     small = boat(radius=0.001, speed_limit=None, control_limit=50.0)
     scenario = replace(past(*gap(0.5)), vehicles=(small,))
-    assert outlook_of(scenario).vehicles[0].narrowest is Passage.UNKNOWN
+    assert outlook_of(scenario).vehicles[0].narrowest is Passage.TOO_LARGE
 
 
 def test_other_dynamics_have_a_narrowest_place_too() -> None:

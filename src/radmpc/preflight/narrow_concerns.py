@@ -115,7 +115,8 @@ def narrow_cures(scenario: Scenario, seen: VehicleOutlook) -> str:
 def _is_roomy(alone: Scenario) -> bool:
     """Whether the only vehicle of a scenario has no narrow place before it, as far as is known."""
     (seen,) = outlook_of(alone).vehicles
-    if seen.narrowest is Passage.UNKNOWN or seen.reserve.share > _MUCH:
+    is_told = seen.narrowest not in {Passage.UNKNOWN, Passage.TOO_LARGE}
+    if not is_told or seen.reserve.share > _MUCH:
         return False
     return not list(describe_narrow(alone, seen))
 

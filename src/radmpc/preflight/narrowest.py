@@ -118,8 +118,8 @@ def narrowest_place(traveler: Traveler, work: float) -> Narrowest | Passage:
     Returns
     -------
     Narrowest or Passage
-        Wide where a path leaves more than anybody needs; unknown where the scenario is too large
-        to tell.
+        Wide where a path leaves more than anybody needs; too large where that is what the vehicle
+        can reach; unknown where no path is found.
     """
     horizon = traveler.scenario.horizon
     is_moving = any(o.is_moving for o in traveler.scenario.obstacles)
@@ -135,7 +135,7 @@ def narrowest_place(traveler: Traveler, work: float) -> Narrowest | Passage:
     if not (np.all(np.isfinite([*lower, *upper, *moves])) and np.all(lower <= upper)):
         return Passage.UNKNOWN
     grid = grid_of(lower, upper, np.maximum(moves, 0.0), traveler.radius, horizon, work)
-    return Passage.UNKNOWN if grid is None else _search(traveler, grid)
+    return Passage.TOO_LARGE if grid is None else _search(traveler, grid)
 
 
 def _is_open(traveler: Traveler, around: Surroundings) -> bool:

@@ -14,6 +14,8 @@ class Passage(Enum):
 
     WIDE = "wide"
     UNKNOWN = "unknown"
+    TOO_LARGE = "too large"
+    """What the vehicle can reach has too many cells as small as its hull, soon so in space."""
 
 
 @dataclass(frozen=True, slots=True)

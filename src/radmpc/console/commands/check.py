@@ -31,6 +31,9 @@ _COLUMNS = (
     "narrowest place",
 )
 
+_PLACES = {Passage.WIDE: "wide", Passage.UNKNOWN: "?", Passage.TOO_LARGE: "not computed"}
+"""What stands for a narrowest place where there is none to name."""
+
 _GAP = "  "
 """What separates columns."""
 
@@ -74,13 +77,26 @@ def check_report(outlook: Outlook, concerns: Sequence[Concern]) -> list[Renderab
     widest = [max(len(row[k]) for row in rows) for k in range(len(_COLUMNS))]
     warnings = [_warning(concern) for concern in concerns]
     parts: list[RenderableType] = [head, *_goals(outlook.scenario), *warnings, ""]
+    notes = _notes(outlook.vehicles)
     if sum(widest) + len(_GAP) * (len(widest) - 1) > width():
-        return [*parts, *_blocks(rows)]
+        return [*parts, *_blocks(rows), *notes]
     lines = [
         _GAP.join(cell.ljust(most) for cell, most in zip(row, widest, strict=True)).rstrip()
         for row in rows
     ]
-    return [*parts, *lines]
+    return [*parts, *lines, *notes]
+
+
+def _notes(vehicles: Sequence[VehicleOutlook]) -> list[str]:
+    """Return what cells without a number mean, where there are any."""
+    notes = []
+    if any(seen.narrowest is Passage.TOO_LARGE for seen in vehicles):
+        notes.append(
+            "not computed: what the vehicle can reach is too large beside its hull to be searched"
+        )
+    if any(seen.narrowest is Passage.UNKNOWN or seen.saturation is None for seen in vehicles):
+        notes.append("?: no path to the goal is known that the vehicle can fly in time")
+    return ["", *notes] if notes else []
 
 
 def _goals(scenario: Scenario) -> list[str]:
@@ -139,7 +155,7 @@ def _risk(risk: float | None) -> str:
 def _place(place: Narrowest | Passage) -> str:
     """Return the narrowest place in a few words."""
     if isinstance(place, Passage):
-        return "wide" if place is Passage.WIDE else "?"
+        return _PLACES[place]
     names = " and ".join("border" if name is None else name for name in place.beside)
     told = f"{place.clearance:.2g} m"
     if place.deviations is not None:
