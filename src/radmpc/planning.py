@@ -21,7 +21,7 @@ from radmpc.planners.outcome.improving import Improving
 from radmpc.planners.outcome.record import Certifying, plan_of
 from radmpc.planners.outcome.trajectories import trajectories_of
 from radmpc.planners.planner import Improved, nobody
-from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
+from radmpc.planners.presets import DEFAULT, PRESETS, called, parse_planner
 from radmpc.planners.verdict import Verdict
 from radmpc.planners.wording import limit_clause
 from radmpc.referee import certify
@@ -183,11 +183,11 @@ def check_takes(scenario: Scenario, planner: Planner) -> None:
         ):
             if is_there:
                 raise ScenarioError(
-                    f"{'are' if key != 'keep' else 'is'} not for '{planner.decomposition}', which "
+                    f"{'are' if key != 'keep' else 'is'} not for '{called(planner)}', which "
                     "plans one vehicle at a time; take certified, ira or distance",
                     (key,),
                 )
-    planner.check_visits(scenario)
+    planner.check_visits(scenario, called)
 
 
 def seconds_allowed(planner: Planner, time_limit: float | None) -> float | None:

@@ -26,7 +26,7 @@ from radmpc.planners import (
     Uniform,
 )
 from radmpc.planners.paper.algorithm_2_radmpc import approximate
-from radmpc.planners.presets import PRESETS, parse_planner
+from radmpc.planners.presets import PRESETS, called, parse_planner
 from radmpc.planning import plan
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM
@@ -215,6 +215,17 @@ def test_planner_names_are_read_with_and_without_their_number():
 def test_bad_planner_names_are_refused_with_what_is_allowed(text, message):
     with pytest.raises(ScenarioError, match=message):
         parse_planner(text)
+
+
+@pytest.mark.parametrize("name", [*PRESETS, "multi-vehicle(0.001)", "rmpc(2)", "distance(7.5)"])
+def test_a_planner_is_called_what_users_type_for_it(name: str) -> None:
+    assert called(parse_planner(name)) == name
+    assert called(replace(parse_planner(name), gap=0.02)) == name
+
+
+def test_choices_without_a_name_are_called_by_themselves() -> None:
+    planner = Planner(Ira(direction="to_inactive"), BigM(), Centralized())
+    assert called(planner) == str(planner)
 
 
 def test_choices_that_do_not_go_together_are_refused():

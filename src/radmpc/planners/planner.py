@@ -170,13 +170,15 @@ class Planner:
                     "that proves that there is no solution"
                 )
 
-    def check_visits(self, scenario: Scenario) -> None:
+    def check_visits(self, scenario: Scenario, called: Callable[[Planner], str] = str) -> None:
         """Refuse a scenario whose visits, windows of arrival or norms these choices cannot plan.
 
         Parameters
         ----------
         scenario : Scenario
             What is to be planned.
+        called : callable
+            Returns what users call these choices.
 
         Raises
         ------
@@ -188,15 +190,16 @@ class Planner:
         for i, vehicle in enumerate(scenario.vehicles):
             if not self.solver.plans_visits and (vehicle.control_norm or vehicle.speed_norm):
                 raise ScenarioError(
-                    f"limits a norm, which the solver '{self.solver}' does not know: limit each "
-                    "axis, or take certified",
+                    f"limits a norm, which '{called(self)}' does not know: limit each axis, or "
+                    "take certified",
                     ("vehicles", i, "control_limit" if vehicle.control_norm else "speed_limit"),
                 )
         for i, vehicle in enumerate(scenario.vehicles):
             if vehicle.via or vehicle.goal.within is not None:
                 raise ScenarioError(
-                    f"the planner '{self}' goes straight for goals at the horizon, without visits; "
-                    "use certified, distance, or one that is centralized without random trees",
+                    f"the planner '{called(self)}' goes straight for goals at the horizon, without "
+                    "visits; use certified, distance, or one that is centralized without random "
+                    "trees",
                     ("vehicles", i, *(("via",) if vehicle.via else ("goal", "within"))),
                 )
 

@@ -14,9 +14,9 @@ from radmpc import planners
 from radmpc.arguments import value_text
 from radmpc.errors import ScenarioError
 from radmpc.planners.planner import Planner
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 
-__all__ = ["COMPARED", "DEFAULT", "PRESETS", "Preset", "parse_planner"]
+__all__ = ["COMPARED", "DEFAULT", "PRESETS", "Preset", "called", "parse_planner"]
 
 DEFAULT = "certified"
 """The planner used when none is named."""
@@ -157,3 +157,28 @@ def parse_planner(text: str) -> Planner:
     except ValueError as error:
         raise ScenarioError(f"planner {preset.name!r} takes a number, got {text!r}") from error
     return preset.argument(number)
+
+
+def called(planner: Planner) -> str:
+    """Return what users type for a planner.
+
+    Parameters
+    ----------
+    planner : Planner
+        With any gap.
+
+    Returns
+    -------
+    str
+        The name of its preset, its number with it; its choices where it is none.
+    """
+    numbers = re.findall(r"\(([-+\d][-+.\de]*)", str(planner))
+    texts = [f"{name}({number})" for name in PRESETS for number in numbers]
+    for text in (*PRESETS, *texts):
+        try:
+            preset = parse_planner(text)
+        except ScenarioError:
+            continue  # it takes no such number
+        if replace(preset, gap=planner.gap) == planner:
+            return text
+    return str(planner)

@@ -132,5 +132,7 @@ def test_a_norm_of_one_control_is_refused() -> None:
 
 
 def test_random_trees_refuse_norms_in_one_line() -> None:
-    with pytest.raises(ScenarioError, match=r"^vehicles\[0\]\.control_limit: limits a norm"):
+    with pytest.raises(
+        ScenarioError, match=r"^vehicles\[0\]\.control_limit: limits a norm, which 'rmpc-rrt'"
+    ):
         plan(alone(control_norm=2.5), "rmpc-rrt")

@@ -103,7 +103,9 @@ def test_vehicles_that_visit_the_same_place_keep_apart() -> None:
 
 @pytest.mark.parametrize("name", sorted(REFUSING))
 def test_planners_that_make_no_visits_refuse_them_in_one_line(name: str) -> None:
-    with pytest.raises(ScenarioError, match=r"^vehicles\[0\]\.via: the planner .* without visits"):
+    with pytest.raises(
+        ScenarioError, match=rf"^vehicles\[0\]\.via: the planner '{name}' .* without visits"
+    ):
         plan(scene(*TWO), name)
     assert "\n" not in str(PRESETS[name].planner)
 
