@@ -55,6 +55,15 @@ def test_the_mission_that_hit_something_is_the_one_that_is_shown(record: FlightR
     assert facts == "flown with model, as planned · 1 of 3 missions hit something"
 
 
+def test_a_single_mission_is_told_of_as_one_of_many(record: FlightRecord) -> None:
+    rows = tuple(row for row in record.rows if row.mission == 0)
+    one = replace(record, settings=replace(record.settings, missions=1), rows=rows)
+    assert repr(one).endswith("1 of 1 missions over, 7 ticks)")
+    axes = radmpc.plot_flight(one)
+    facts = next(t.get_text() for t in axes.figure.texts if t.get_gid() == "facts")
+    assert facts.endswith("0 of 1 missions hit something")
+
+
 def test_discs_of_what_is_to_come_shrink_as_a_film_goes_on(record: FlightRecord) -> None:
     film = make_flight_film(record)
     assert film.num_frames == 6 * FRAMES_PER_STEP + 1

@@ -22,7 +22,6 @@ from radmpc.experiments.sweeping import Values, sweep, sweep_scenarios
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
 from radmpc.records import dataclass
-from radmpc.wording import count_text
 
 __all__ = ["SweepRequest", "run_sweep"]
 
@@ -122,7 +121,7 @@ def run_sweep(request: SweepRequest) -> int:
     _report(request, found)
     if was_interrupted:
         goes_on = "" if table is None else "; the same command goes on"
-        note(f"interrupted after {len(found)} of {count_text(len(scenarios), 'scenario')}{goes_on}")
+        note(f"interrupted after {len(found)} of {len(scenarios)} scenarios{goes_on}")
         return Code.NO
     return Code.OK if all(row.within for row in found) else Code.NO
 

@@ -253,4 +253,4 @@ class FlightRecord:
         over, asked = sum(mission.is_over for mission in self.missions), self.settings.missions
         name = self.plan.scenario.name
         ticks = count_text(len(self.rows), "tick")
-        return f"FlightRecord({name!r}: {over} of {count_text(asked, 'mission')} over, {ticks})"
+        return f"FlightRecord({name!r}: {over} of {asked} missions over, {ticks})"

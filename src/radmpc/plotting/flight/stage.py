@@ -25,7 +25,6 @@ from radmpc.plotting.canvas.title import draw_headline
 from radmpc.plotting.curves import ABOVE
 from radmpc.plotting.flight.paths import chosen, flown, flown_extent
 from radmpc.records import dataclass
-from radmpc.wording import count_text
 
 __all__ = ["MOST_PATHS", "Stage", "is_measured", "new_stage", "shown_mission"]
 
@@ -127,8 +126,7 @@ def _facts(record: FlightRecord) -> str:
     how = "as planned" if settings.replan is None else f"planned anew by {settings.replan}"
     over = [mission for mission in missions if mission.is_over]
     hits = sum(bool(mission.contacts) for mission in over)
-    flown = count_text(len(over), "mission")
-    count = f"{hits} of {flown} hit something" if over else "not over"
+    count = f"{hits} of {len(over)} missions hit something" if over else "not over"
     line = f"flown with {settings.backend}, {how}"
     both = f"{line} · {count}"
     return both if len(both) <= _LINE_CHARACTERS else f"{line}\n{count}"
