@@ -7,9 +7,12 @@ import pytest
 from adversary import beside_a_wall
 
 from comparing import differences
+from radmpc import Measurement
 from radmpc.errors import ScenarioError
+from radmpc.flying.knowing import expected_start
 from radmpc.flying.leg import leg_of
 from radmpc.flying.mission import Mission
+from radmpc.flying.sensing.gaps import flown_by
 from radmpc.result import Result
 
 
@@ -27,6 +30,48 @@ def test_what_is_not_measured_is_flown_on(result: Result) -> None:
     assert mission.step(off).alarms == ()
     # Nothing was spent, and what the legs to come risk is part of what there is.
     assert mission.account[-1].wealth == mission.account[0].bank
+
+
+def test_only_who_is_not_measured_flies_as_expected(result: Result) -> None:
+    given = result.record
+    gain = -np.hstack([0.2 * np.eye(2), 0.6 * np.eye(2)])
+    scenario = given.scenario.with_vehicles(
+        [replace(v, gain=gain) for v in given.scenario.vehicles]
+    )
+    plan = leg_of(scenario, [path.controls for path in given.trajectories], 0).plan
+    mission, blind = (Mission(plan, planner=None) for _ in range(2))
+    first = scenario.vehicles[0]
+    off = first.start + 0.1
+    for missing in (np.full(first.start.size, np.nan), None):
+        tick, none = mission.step([off, missing]), blind.step(None)
+        assert tick.alarms == ("no measurement of 'v2': the tail flies on as expected",)
+        assert (tick.value, tick.reason) == (None, "nothing was measured")
+        assert tick.segments[0].position.tolist() == off[:2].tolist()
+        assert np.abs(tick.controls[0] - none.controls[0]).max() > 1e-3
+        assert differences(tick.segments[1], none.segments[1]) == []
+        off = mission._expected[0] + 0.1
+    with pytest.raises(ScenarioError, match=r"states\[1\]"):
+        mission.step([off, "nowhere"])
+
+
+@pytest.mark.parametrize(
+    "change", [{"disturbance_correlation": 0.5}, {"measurement": Measurement(np.eye(4), 1e-6)}]
+)
+def test_who_tells_more_than_a_state_is_measured_with_all_or_not_at_all(
+    result: Result, change: dict[str, object]
+) -> None:
+    scenario = result.record.scenario
+    first, second = scenario.vehicles
+    given = scenario.with_vehicles([replace(first, **change), second])
+    expected = [expected_start(v) for v in given.vehicles]
+    for i in range(2):
+        states = [v.start + 0.1 if i == k else None for k, v in enumerate(given.vehicles)]
+        known, [alarm] = flown_by(given, expected, states)
+        assert np.array_equal(known[i], expected[i]) == (i == 0)
+        assert alarm.startswith("no measurement" if i else "no measurement:")
+    counted = replace(scenario, covariance_samples=200)
+    _, [alarm] = flown_by(counted, expected, [first.start, None])
+    assert alarm == "no measurement: the tail flies on as expected"
 
 
 def test_states_by_name_are_states_in_order(result: Result) -> None:

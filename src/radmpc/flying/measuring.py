@@ -24,10 +24,13 @@ __all__ = [
     "check_continues",
     "check_number",
     "check_options",
+    "heard",
     "measured",
     "plan_of",
 ]
 
+States = Mapping[str, npt.ArrayLike | None] | Sequence[npt.ArrayLike | None] | None
+"""Measured states, by vehicle or in the scenario's order; None is no measurement."""
 
 _KNOWN = (
     *("start", "initial_covariance", "disturbance_covariance", "disturbance_correlation"),
@@ -89,17 +92,15 @@ def check_continues(plan: Plan, scenario: Scenario, left: int) -> None:
         )
 
 
-def measured(
-    scenario: Scenario, states: Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike] | None
-) -> tuple[Vector, ...] | None:
+def measured(scenario: Scenario, states: States) -> tuple[Vector, ...] | None:
     """Return measured states in the scenario's order, None where they are no measurement.
 
     Parameters
     ----------
     scenario : Scenario
         Of the mission.
-    states : mapping, sequence of (n,) array, or None
-        By vehicle, or in the scenario's order; what is not finite is no measurement.
+    states : mapping, sequence of (n,) array or None, or None
+        By vehicle, or in the scenario's order; if any is None or not finite, there is none.
 
     Raises
     ------
@@ -108,9 +109,22 @@ def measured(
     ScenarioError
         If they are not of the scenario's vehicles.
     """
-    if states is None:
-        return None
+    found = heard(scenario, states)
+    whole = tuple(state for state in found if state is not None)
+    return whole if len(whole) == len(found) else None
+
+
+def heard(scenario: Scenario, states: States) -> tuple[Vector | None, ...]:
+    """Return measured states in the scenario's order, None of each vehicle that has none.
+
+    Parameters
+    ----------
+    scenario, states
+        As in `measured`, and refused alike.
+    """
     vehicles = scenario.vehicles
+    if states is None:
+        return (None,) * len(vehicles)
     if isinstance(states, str) or not isinstance(states, Mapping | Sequence | np.ndarray):
         raise ArgumentTypeError(f"states must be a sequence of states, got {value_text(states)}")
     if isinstance(states, Mapping):
@@ -120,10 +134,11 @@ def measured(
         states = [states[v.name] for v in vehicles]
     if len(states) != len(vehicles):
         raise ScenarioError(f"must be {len(vehicles)} states, got {len(states)}", ("states",))
-    if any(not np.all(np.isfinite(_numbers(x, i))) for i, x in enumerate(states)):
-        return None
-    pairs = zip(states, vehicles, strict=True)
-    return tuple(as_vector(x, v.system.num_states, ("states", i)) for i, (x, v) in enumerate(pairs))
+    found: list[Vector | None] = [None] * len(vehicles)
+    for i, (state, vehicle) in enumerate(zip(states, vehicles, strict=True)):
+        if state is not None and np.all(np.isfinite(_numbers(state, i))):
+            found[i] = as_vector(state, vehicle.system.num_states, ("states", i))
+    return tuple(found)
 
 
 def _numbers(state: npt.ArrayLike, place: int) -> Vector:

@@ -38,6 +38,7 @@ from radmpc.flying.measuring import (
     measured,
     plan_of,
 )
+from radmpc.flying.sensing.gaps import flown_by
 from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.tick import Contact, Tick
 from radmpc.model.plan import Plan
@@ -122,7 +123,7 @@ class Mission(Logbook):
     @one_at_a_time
     def step(
         self,
-        states: Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike] | None,
+        states: Mapping[str, npt.ArrayLike | None] | Sequence[npt.ArrayLike | None] | None,
         *,
         deadline: float | None = None,
         contacts: Sequence[Contact] = (),
@@ -131,9 +132,9 @@ class Mission(Logbook):
 
         Parameters
         ----------
-        states : mapping, sequence of (n,) array, or None
+        states : mapping, sequence of (n,) array or None, or None
             Measured or, of who has a `measurement`, estimated; by vehicle or in the scenario's
-            order. None, or what is not finite, is no measurement: the tail is flown as expected.
+            order. None, or what is not finite, is no measurement: who has none flies as expected.
         deadline : float or None
             Seconds from now until which the decision is needed; None plans without a limit.
         contacts : sequence of Contact
@@ -158,9 +159,10 @@ class Mission(Logbook):
         check_contacts(contacts)
         given = measured(self._scenario, states)
         self._contacts += contacts
-        known = self._expected
-        alarms, decision = ["no measurement: the tail flies on as expected"], UNKNOWN
-        if given is not None:
+        decision = UNKNOWN
+        if given is None:
+            known, alarms = flown_by(self._scenario, self._expected, states)
+        else:
             known, alarms = self._looked(given)
             end = float("inf") if deadline is None else begun + deadline
             decision = self._decided(known, alarms, Timer(self._clock, end))
@@ -276,8 +278,7 @@ class Mission(Logbook):
             alarms.append(f"what is left risks {value.total:.3g}, more than {allowed}")
         if self.has_failed:
             return Decision(None, self._failure(), value.total, None, value.next_step)
-        now = self._account, self._sensing.evidence
-        moment = Moment(self._step, states, self._leg, value, *now)
+        moment = Moment(self._step, states, self._leg, value, self._account, self._sensing.evidence)
         return decided(self._rule, moment, timer)
 
     def _flown(
@@ -292,8 +293,7 @@ class Mission(Logbook):
             self._enter("adopted", decision.price)
             self._known = states = self._leg.begun(states)
         found = commanded(self._leg, self._step, states, alarms)
-        notes = alarms, self._clock() - begun
-        tick = decision.tick(self._step, found.segments, wealth, notes)
+        tick = decision.tick(self._step, found.segments, wealth, (alarms, self._clock() - begun))
         self._ticks.append(tick)
         self._expected = found.expected
         self._step += 1

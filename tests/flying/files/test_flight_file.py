@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recorded_flights import beside_the_wall, forged, staked_rows, told, written
+from recorded_flights import beside_the_wall, certified, forged, staked_rows, told, written
 
 import radmpc
 from radmpc.errors import FileFormatError
+from radmpc.experiments.families import paper
 from radmpc.flying.recording.campaign import begin_flight
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.recording.summary import summary_of
@@ -275,3 +276,25 @@ def test_whatever_stands_in_a_line_is_read_or_refused_with_its_place(
     path: Path, rows: list[TickRow], line: int, keys: list[str]
 ) -> None:
     _spoiled(path, line if line == 1 else _first_leg(rows), keys)
+
+
+def test_a_step_at_which_some_were_measured_is_recomputed_and_gone_on_with(tmp_path: Path) -> None:
+    result = radmpc.plan(paper(2, seed=1), rng=0)
+    plan, rows, again = certified(result.require()), [], []
+    mission = RecordedMission(plan, 0, rows.append, planner=None)
+    for _ in range(4):
+        off, *others = (x + 0.01 for x in mission._expected)
+        mission.step([off, *(np.full_like(x, np.nan) for x in others)])
+    assert {(row.states, row.partly[1]) for row in rows} == {(None, None)}
+    path = tmp_path / "partly.flight.jsonl"
+    written(path, plan, rows)
+    record = load_flight(path)
+    assert told(record.rows) == told(tuple(rows))
+    assert flight_problems(record) == ()
+    resumed = RecordedMission(plan, 0, again.append, record.rows, planner=None)
+    for one in (mission, resumed):
+        one.step([None, None])
+    assert told(again[-1].controls) == told(rows[-1].controls)
+    forged(path, 3, lambda row: row.update(partly=row["partly"][:1]))
+    with pytest.raises(FileFormatError, match="partly: must be of 2 vehicles, got 1"):
+        load_flight(path)

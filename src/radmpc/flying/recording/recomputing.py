@@ -19,6 +19,7 @@ from radmpc.flying.knowing import best_of, expected_start, starting
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.remainder import left_of
 from radmpc.flying.sensing.evidence import Evidence
+from radmpc.flying.sensing.gaps import flown_by
 from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.tick import Contact, Entry, Segment, Tick, entered, segments
 from radmpc.flying.visiting import still_due
@@ -122,10 +123,12 @@ def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Recomputation:
 
 def _follow(state: Recomputation, row: TickRow, where: str) -> None:
     """Take the next row."""
-    known, value, before = state.expected, None, state.sensing.evidence
+    value, before = None, state.sensing.evidence
     next_step, alarms = None, 1  # that there is no measurement
     state.contacts += [Contact(t.step, t.cause, t.vehicle, t.other) for t in row.contacts]
-    if row.states is not None:
+    if row.states is None:
+        known, _ = flown_by(state.plan.scenario, state.expected, row.partly)
+    else:
         is_certain = not state.ticks or state.ticks[-1].value is not None
         seen = row.step, state.expected, row.states, state.leg
         known, told = state.sensing.look(*seen, is_certain=is_certain)

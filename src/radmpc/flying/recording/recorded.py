@@ -7,9 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, FileFormatError
 from radmpc.flying.locking import one_at_a_time
-from radmpc.flying.measuring import measured
+from radmpc.flying.measuring import States, heard, measured
 from radmpc.flying.mission import Mission
 from radmpc.flying.recording.recomputing import recomputed
 from radmpc.flying.tick import Contact, Tick
@@ -64,7 +65,7 @@ class RecordedMission(Mission):
     @one_at_a_time
     def step(
         self,
-        states: Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike] | None,
+        states: Mapping[str, npt.ArrayLike | None] | Sequence[npt.ArrayLike | None] | None,
         *,
         deadline: float | None = None,
         contacts: Sequence[Contact] = (),
@@ -104,6 +105,7 @@ class RecordedMission(Mission):
                 alarms=tick.alarms,
                 seconds=tick.seconds,
                 scale=self._known_scale(),
+                partly=self._partly(states) if given is None else None,
             )
         )
         return tick
@@ -140,6 +142,11 @@ class RecordedMission(Mission):
             Always.
         """
         raise ArgumentError(f"a recorded mission keeps its account, got {result!r}: fly a Mission")
+
+    def _partly(self, states: States) -> tuple[Vector | None, ...] | None:
+        """Return what was measured where something was, and not all."""
+        found = heard(self._scenario, states)
+        return None if all(state is None for state in found) else found
 
     def _known_scale(self) -> ScaleRow | None:
         """Return what is known by now of the factor of covariances."""

@@ -74,10 +74,12 @@ def encode_row(row: TickRow) -> dict[str, object]:
     leg = row.leg
     # Beside covariances that are known there is nothing to tell.
     scale = {} if row.scale is None else {"scale": asdict(row.scale)}
+    partly = {} if row.partly is None else {"partly": [_list(each) for each in row.partly]}
     return {
         "mission": row.mission,
         "step": row.step,
         "states": None if row.states is None else _lists(row.states),
+        **partly,
         "contacts": [asdict(touch) for touch in row.contacts],
         "choice": row.choice,
         "reason": row.reason,
@@ -143,7 +145,29 @@ def decode_row(data: object, scenario: Scenario) -> TickRow:
         alarms=tuple(spec.alarms),
         seconds=spec.seconds,
         scale=None if spec.scale is None else ScaleRow(spec.scale.samples, spec.scale.factor),
+        partly=_partly(spec, states),
     )
+
+
+def _partly(spec: RowSpec, sizes: Sequence[int]) -> tuple[Vector | None, ...] | None:
+    """Return a vector, or None, per vehicle where some were measured."""
+    if spec.partly is None:
+        return None
+    if spec.states is not None:
+        raise ScenarioError("must be left out where all were measured", ("partly",))
+    if len(spec.partly) != len(sizes):
+        raise ScenarioError(
+            f"must be of {len(sizes)} vehicles, got {len(spec.partly)}", ("partly",)
+        )
+    return tuple(
+        None if row is None else as_vector(row, size, ("partly", i))
+        for i, (row, size) in enumerate(zip(spec.partly, sizes, strict=True))
+    )
+
+
+def _list(array: Vector | None) -> object:
+    """Return a vector as a list of numbers, or None."""
+    return None if array is None else array.tolist()
 
 
 def _lists(arrays: Sequence[Matrix]) -> list[object]:

@@ -60,6 +60,7 @@ class RowSpec(FileModel):
     mission: Count
     step: Count
     states: list[list[Finite]] | None
+    partly: list[list[Finite] | None] | None = None
     contacts: list[ContactSpec]
     choice: Literal["tail", "candidate"]
     reason: Text

@@ -127,7 +127,7 @@ class TickRow:
     mission, step : int
         Which tick.
     states : tuple of (n,) array, or None
-        Measured; None where nothing was.
+        Measured; None where not all were.
     contacts : tuple of Touch
         What was hit since the tick before.
     choice, reason : str
@@ -150,6 +150,8 @@ class TickRow:
         What the decision took [s].
     scale : ScaleRow or None
         What is known by then of the factor of covariances; None where they are known.
+    partly : tuple of (n,) array or None, or None
+        Measured where some vehicles were and others not, of which it is None; None elsewhere.
     """
 
     mission: int
@@ -170,6 +172,7 @@ class TickRow:
     alarms: tuple[str, ...]
     seconds: float
     scale: ScaleRow | None = None
+    partly: tuple[Vector | None, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,42 @@
+"""What is flown where not all vehicles were measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from radmpc.arrays import Vector
+from radmpc.flying.knowing import remembers
+from radmpc.flying.measuring import States, heard
+from radmpc.model.scenario import Scenario
+
+__all__ = ["flown_by"]
+
+
+def flown_by(
+    scenario: Scenario, expected: Sequence[Vector], states: States
+) -> tuple[tuple[Vector, ...], list[str]]:
+    """Return by what vehicles fly where not all were measured, and the alarm that says so.
+
+    Who was measured flies by that, all others by what is expected. So does, measured or not, who
+    tells more than its state: the next measurement is compared with what the whole gap brought.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the mission.
+    expected : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
+        What was expected to be known.
+    states : mapping, sequence of (n,) array or None, or None
+        What was measured.
+    """
+    is_scaled = scenario.covariance_samples is not None
+    known, missing = [], []
+    pairs = zip(scenario.vehicles, expected, heard(scenario, states), strict=True)
+    for vehicle, hoped, state in pairs:
+        if state is None or is_scaled or vehicle.shared or remembers(vehicle):
+            known.append(hoped)
+            missing.append(vehicle.name)
+        else:
+            known.append(state)
+    whose = "" if len(missing) == len(known) else f" of {', '.join(map(repr, missing))}"
+    return tuple(known), [f"no measurement{whose}: the tail flies on as expected"]
