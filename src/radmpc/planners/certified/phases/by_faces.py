@@ -14,6 +14,7 @@ from radmpc.planners.certified.state.bounds import is_proven, shadow_price
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.verdict import Judge
 from radmpc.records import replace
+from radmpc.solvers.solution import relative_gap
 
 if TYPE_CHECKING:
     # Who meets nobody needs no bound.
@@ -143,10 +144,11 @@ def _move_price(search: BoundSearch, sets: tuple[Members, ...], efforts: int) ->
 def _choose_price(search: BoundSearch, sets: tuple[Members, ...], other: float) -> None:
     """Go on at the price that a first effort for sets proves more with.
 
-    Vehicles alone that hardly risk anything make risk cheap, which those that meet others do not.
+    Vehicles that pay nothing alone make risk cheap, which those that meet others do not.
     """
-    found = search.price
-    if max(map(len, sets)) == 1 or found == other:
+    found, least = search.price, float(sum(search.fleet.base))
+    pays_alone = relative_gap(search.best, least) > search.gap
+    if max(map(len, sets)) == 1 or found == other or pays_alone:
         return
     _advance(search, sets, range(1))
     bound, search.price = search.bound_here(), other
