@@ -24,7 +24,6 @@ from radmpc.planners.planner import Improved, nobody
 from radmpc.planners.presets import DEFAULT, PRESETS, called, parse_planner
 from radmpc.planners.verdict import Verdict
 from radmpc.planners.wording import limit_clause
-from radmpc.referee import certify
 from radmpc.result import Result
 from radmpc.solvers.solution import Limits, never
 
@@ -116,9 +115,10 @@ def plan(
         from radmpc.planners.assignment import assigned  # noqa: PLC0415 - few share goals
 
         scenario, draft = assigned(scenario, record, run, lambda s: Certifying(s, record).verdict)
+        referee = Certifying(scenario, record)
     else:
         draft = record.decomposition.plan(scenario, record, run)
-    return _judged(scenario, record, seed, _with_limits(draft, limits), begun)
+    return _judged(referee, scenario, record, seed, _with_limits(draft, limits), begun)
 
 
 def unjudged_plan(
@@ -235,13 +235,18 @@ def _check_options(
 
 
 def _judged(
-    scenario: Scenario, planner: Planner, seed: int | None, draft: Draft, begun: float
+    referee: Certifying,
+    scenario: Scenario,
+    planner: Planner,
+    seed: int | None,
+    draft: Draft,
+    begun: float,
 ) -> Result:
     """Return what was planned since `begun`, with the certificate that the referee gives it."""
     judging = time.perf_counter()
     trajectories = trajectories_of(scenario, draft.controls)
     unjudged = plan_of(scenario, planner, seed, draft, trajectories, None, {})
-    certificate = certify(unjudged) if trajectories else None
+    certificate = referee.certificate(unjudged) if trajectories else None
     ended = time.perf_counter()
     seconds = {**draft.seconds, "certificate": ended - judging, "total": ended - begun}
     judged = plan_of(scenario, planner, seed, draft, trajectories, certificate, seconds)

@@ -25,9 +25,11 @@ from radmpc.planners import (
     Sigmas,
     Uniform,
 )
+from radmpc.planners.outcome import record
 from radmpc.planners.paper.algorithm_2_radmpc import approximate
 from radmpc.planners.presets import PRESETS, called, parse_planner
 from radmpc.planning import plan
+from radmpc.referee import certify
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM
 from running import silent_run
@@ -237,3 +239,20 @@ def test_choices_that_do_not_go_together_are_refused():
         Planner(Ira(), Branch(), Centralized(), gap=0.0)
     with pytest.raises(ScenarioError, match="covariances must be"):
         Receding("sometimes")
+
+
+def test_what_the_returned_plan_risks_is_what_the_referee_found_of_it_in_the_search(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[bytes] = []
+    judge = record.ledger_under
+
+    def counted(noise, controls):
+        asked.append(b"".join(each.tobytes() for each in controls))
+        return judge(noise, controls)
+
+    monkeypatch.setattr(record, "ledger_under", counted)
+    found = plan(circle(3)).require()
+    assert asked.count(b"".join(t.controls.tobytes() for t in found.trajectories)) == 1
+    assert found.risk.certified == certify(found).certified
+    assert found.risk.ledger == certify(found).ledger

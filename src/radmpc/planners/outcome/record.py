@@ -50,8 +50,18 @@ class Certifying:
         everyone = (tuple(range(scenario.num_vehicles)),)
         draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
         trajectories = trajectories_of(scenario, controls)
-        unjudged = plan_of(scenario, planner, None, draft, trajectories, None, {})
-        return judged(unjudged, self._noise, self.verdict(controls).ledger)
+        return self.certificate(plan_of(scenario, planner, None, draft, trajectories, None, {}))
+
+    def certificate(self, plan: Plan) -> Certificate:
+        """Return the certificate of a plan of the scenario; what it risks may be remembered.
+
+        Parameters
+        ----------
+        plan : Plan
+            With trajectories.
+        """
+        ledger = self.verdict(tuple(t.controls for t in plan.trajectories)).ledger
+        return judged(plan, self._noise, ledger)
 
     @cached_property
     def _noise(self) -> FleetNoise:
