@@ -158,7 +158,7 @@ def test_ctrl_c_keeps_what_was_flown_and_the_flight_goes_on(
         interrupted_at(patch, (1, 2))
         result = run(*words, "-o", "a.jsonl", "--json")
     assert result.exit_code == 0
-    assert "interrupted with 1 of 3 missions over; go on with 'radmpc fly a.jsonl'" in result.stderr
+    assert "interrupted: 1 of 3 missions are over; go on with 'radmpc fly a.jsonl'" in result.stderr
     assert json.loads(result.stdout)["missions"] == 1
     assert len(load_flight(tmp_path / "a.jsonl").rows) == 10
     refused = run(*words, "-o", "a.jsonl")
@@ -182,7 +182,7 @@ def test_ctrl_c_before_any_mission_is_over_is_a_no(
     interrupted_at(monkeypatch, (0, 1))
     result = run("fly", plan, "--replan", "none", "--json")
     assert result.exit_code == 1
-    assert result.stderr.splitlines()[-1] == "radmpc: interrupted with 0 of 1 missions over"
+    assert result.stderr.splitlines()[-1] == "radmpc: interrupted: 0 of 1 missions are over"
     assert json.loads(result.stdout)["rate"] is None
     answer = "radmpc: finishing this tick, what was flown is kept; Ctrl-C again stops at once\n"
     assert capfd.readouterr().err == answer
@@ -215,7 +215,7 @@ def test_a_rate_that_speaks_against_the_bound_is_a_no(run: Run, plan: Path) -> N
     words = ("fly", plan, "--with", "wreck", "--replan", "none", "--missions", 4)
     result = run(*words, "--option", "sea=rough", "-o", "a.jsonl")
     assert result.exit_code == 1
-    assert "4 of 4 missions collided: 1 (0.3976 to 1 with" in result.stdout
+    assert "4 of 4 missions collide: 1 (0.3976 to 1 with" in result.stdout
     assert "east and west (4)" in result.stdout
     assert assert_one_line(result.stderr) == (
         "radmpc: the collision rate is at least 0.3976 with 97.5 % confidence, above the risk "

@@ -156,7 +156,7 @@ def test_collisions_are_counted_in_whole_missions(
         saturation_rate = 0.0
 
     monkeypatch.setattr("radmpc.console.commands.verifying.simulate", lambda *a, **k: Counted())
-    expected = "204 of 100000 samples collided: 0.00204 (0.00177 to 0.00234 with 95 % confidence)"
+    expected = "204 of 100000 samples collide: 0.00204 (0.00177 to 0.00234 with 95 % confidence)"
     assert expected in run("verify", plan_file).stdout
 
 

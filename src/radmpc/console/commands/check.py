@@ -236,6 +236,9 @@ def _narrowest_json(place: Narrowest | Passage) -> dict[str, object]:
     """Return the narrowest place as plain values; what is not known is null."""
     if isinstance(place, Passage):
         nothing = dict.fromkeys(("clearance", "deviations", "position", "step", "beside"))
+        if place is Passage.TOO_LARGE:
+            # Programs that read this know two answers without a place.
+            return {"found": Passage.UNKNOWN.value, "why": place.value, **nothing}
         return {"found": place.value, **nothing}
     return {
         "found": "narrow",

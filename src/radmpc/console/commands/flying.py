@@ -272,10 +272,10 @@ def _write(record: FlightRecord, request: FlyRequest) -> None:
 def _conclude(request: FlyRequest, summary: FlightSummary, was_interrupted: bool) -> Code:
     """Say on stderr what speaks against the flight, and return the exit code."""
     if was_interrupted and summary.missions < summary.asked:
-        over = f"{summary.missions} of {summary.asked} missions over"
+        over = f"{summary.missions} of {summary.asked} missions are over"
         path = request.source if is_flight(request.source) else request.output
         further = "" if path is None else f"; go on with 'radmpc fly {path}'"
-        note(f"interrupted with {over}{further}")
+        note(f"interrupted: {over}{further}")
         if not summary.missions:
             return Code.NO
     if summary.contradiction is not None:

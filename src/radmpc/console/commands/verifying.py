@@ -219,7 +219,7 @@ def verify_report(
     if verification.rate is not None:
         hits = round(verification.rate * verification.samples)
         rows["simulated"] = (
-            f"{hits} of {verification.samples} samples collided: {verification.rate:.4g} "
+            f"{hits} of {verification.samples} samples collide: {verification.rate:.4g} "
             f"({verification.rate_low:.4g} to {verification.rate_high:.4g} with 95 % confidence)"
         )
     if verification.saturation_bound is not None:

@@ -106,7 +106,7 @@ def flight_rows(record: FlightRecord, summary: FlightSummary) -> dict[str, Text 
     flown = summary.flown
     if flown is not None:
         text = (
-            f"{flown.collisions} of {flown.samples} missions collided: "
+            f"{flown.collisions} of {flown.samples} missions collide: "
             f"{flown.rate:.4g} ({flown.rate_low:.4g} to {flown.rate_high:.4g} with 95 % confidence)"
         )
         rows["collisions"] = text if summary.contradiction is None else Text(text, style="bold red")
@@ -116,7 +116,7 @@ def flight_rows(record: FlightRecord, summary: FlightSummary) -> dict[str, Text 
         rows["effort"] = f"{summary.effort:.6g} as flown, {summary.effort_planned:.6g} as planned"
         if summary.miss is not None:
             rows["goals"] = f"missed by {summary.miss:.2g} m, the mean of all vehicles"
-        rows["saturation"] = f"controls saturated in {flown.saturated} of {flown.samples} missions"
+        rows["saturation"] = f"controls saturate in {flown.saturated} of {flown.samples} missions"
     if summary.accepted is not None and settings.replan is not None:
         rows["replans"] = f"{summary.adopted} adopted, at {100.0 * summary.accepted:.3g} % of ticks"
     scale = record.rows[-1].scale if record.rows else None
