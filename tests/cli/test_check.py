@@ -95,7 +95,7 @@ def test_what_is_not_computed_in_space_is_said_not_to_be(
         assert result.stdout.splitlines()[-1].startswith("not computed: what the vehicle can reach")
     places = [v["narrowest"] for v in json.loads(run("check", path, "--json").stdout)["vehicles"]]
     assert [place["found"] for place in places] == ["unknown", "wide", "wide", "unknown"]
-    assert [place.get("why") for place in places] == ["too large", None, None, "too large"]
+    assert [place["why"] for place in places] == ["too large", None, None, "too large"]
     assert places[0]["clearance"] is None
 
 

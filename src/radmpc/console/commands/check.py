@@ -34,6 +34,9 @@ _COLUMNS = (
 _PLACES = {Passage.WIDE: "wide", Passage.UNKNOWN: "?", Passage.TOO_LARGE: "not computed"}
 """What stands for a narrowest place where there is none to name."""
 
+_WHY_NOT = {Passage.UNKNOWN: "out of reach", Passage.TOO_LARGE: "too large"}
+"""Why a narrowest place is not known, for programs."""
+
 _GAP = "  "
 """What separates columns."""
 
@@ -236,12 +239,12 @@ def _narrowest_json(place: Narrowest | Passage) -> dict[str, object]:
     """Return the narrowest place as plain values; what is not known is null."""
     if isinstance(place, Passage):
         nothing = dict.fromkeys(("clearance", "deviations", "position", "step", "beside"))
-        if place is Passage.TOO_LARGE:
-            # Programs that read this know two answers without a place.
-            return {"found": Passage.UNKNOWN.value, "why": place.value, **nothing}
-        return {"found": place.value, **nothing}
+        # Programs that read this know two answers without a place.
+        found = place if place is Passage.WIDE else Passage.UNKNOWN
+        return {"found": found.value, "why": _WHY_NOT.get(place), **nothing}
     return {
         "found": "narrow",
+        "why": None,
         "clearance": place.clearance,
         "deviations": place.deviations,
         "position": list(place.position),
