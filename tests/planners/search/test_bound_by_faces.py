@@ -12,6 +12,7 @@ from radmpc.planners import Branch, Centralized, Ira, Planner
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.phases import by_faces, time_shares
 from radmpc.planners.certified.phases.by_faces import bound_faces_of_each
+from radmpc.planners.certified.proof.grouping import bounds_within
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.search import BoundSearch
 from radmpc.planners.certified.state.bounds import reported_bound
@@ -112,6 +113,22 @@ def test_a_search_leaves_it_time_of_the_limit() -> None:
     left = search.seconds_left - time_shares.but_for_faces(search, limits, 0.25).seconds_left
     assert left == pytest.approx(25.0, abs=1.0)
     assert time_shares.but_for_faces(Limits(), Limits(), 0.25).seconds_left == float("inf")
+
+
+def test_what_relaxations_prove_counts_at_a_lower_price_as_what_it_proves_there() -> None:
+    centralized = Planner(Ira(), Branch(), Centralized())
+    problem, state, _ = left_open(paper(3, 0), centralized, 1.05, 4.0)
+    incumbent, base = state.incumbent, float(sum(problem.base))
+    relaxed = BoundSearch(problem, incumbent, 4.0, base, 4000.0)
+    relaxed.advance(100, 0, relaxed.order)
+    search = BoundSearch(
+        problem, incumbent, 4.0, base, 4000.0, is_by_faces=True, below=relaxed.proven
+    )
+    for price in (4.0, 1.0):
+        search.go_on_at(price)
+        search.advance(100, 0, search.order)
+        for members, part in search.parts.items():
+            assert part.below == bounds_within(members, relaxed.proven, price)
 
 
 def test_vehicles_that_risk_nothing_alone_do_not_move_its_price() -> None:

@@ -168,7 +168,7 @@ class Around:
             programs.covariances,
             owners,
             common=programs.hazards.common,
-            num_faces=PROOF_TUNING.directions[-1],
+            num_faces=PROOF_TUNING.directions,
         )
         allowed = TUNING.apart * self.gap * self.state.incumbent.cost / max(search.price, 1e-300)
         allowed = min(allowed, TUNING.most_apart * self.fleet.scenario.risk_bound)

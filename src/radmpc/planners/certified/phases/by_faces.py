@@ -9,6 +9,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.phases.tuning import TUNING
 from radmpc.planners.certified.proof.grouping import Proven
+from radmpc.planners.certified.proof.part import grows_after
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.state.bounds import is_proven, shadow_price
 from radmpc.planners.certified.state.search_state import SearchState
@@ -137,7 +138,7 @@ def _move_price(search: BoundSearch, sets: tuple[Members, ...], efforts: int) ->
             return
         _advance(search, sets, range(efforts))
         if search.bound_here() <= bound:
-            search.price = price
+            search.go_on_at(price)
             return
 
 
@@ -151,10 +152,13 @@ def _choose_price(search: BoundSearch, sets: tuple[Members, ...], other: float) 
     if max(map(len, sets)) == 1 or found == other or pays_alone:
         return
     _advance(search, sets, range(1))
-    bound, search.price = search.bound_here(), other
+    bound = search.bound_here()
+    if search.is_over:
+        return
+    search.go_on_at(other)
     _advance(search, sets, range(1))
     if search.bound_here() <= bound:
-        search.price = found
+        search.go_on_at(found)
 
 
 def _continued(search: BoundSearch, fleet: Fleet) -> BoundSearch:
@@ -180,7 +184,9 @@ def _advance(search: BoundSearch, sets: tuple[Members, ...], efforts: range) -> 
         before = search.nodes
         # What it is told of the gap does not count: here every bit of bound does.
         search.advance(PROOF_TUNING.nodes, effort, search.order)
-        if search.is_over or search.nodes == before:
+        is_large = max(map(len, search.order)) >= PROOF_TUNING.least_climbed
+        is_more = is_large and grows_after(effort, PROOF_TUNING.nodes)
+        if search.is_over or (search.nodes == before and not is_more):
             break
 
 

@@ -11,33 +11,35 @@ if TYPE_CHECKING:
     # Who meets nobody needs no relaxation.
     from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 
-__all__ = ["better_price", "risk_of"]
+__all__ = ["better_price", "risk_share"]
 
 
-def better_price(price: float, ratio: float, most_step: float = TUNING.most_step) -> float:
+def better_price(price: float, ratio: float | None, most_step: float = TUNING.most_step) -> float:
     """Return a price at which relaxed plans may risk about Δ; the same where they do.
 
     Parameters
     ----------
     price : float
         Where they were searched, per unit of probability.
-    ratio : float
-        What they risk there, as a share of Δ [-].
+    ratio : float or None
+        What they risk there, as a share of Δ [-]; None where that says nothing.
     most_step : float
         The largest factor between the two prices [-].
     """
-    if price <= 0.0 or 1.0 / TUNING.off < ratio < TUNING.off:
+    if ratio is None or price <= 0.0 or 1.0 / TUNING.off < ratio < TUNING.off:
         return price
     return price * min(max(ratio, 1.0 / most_step), most_step)
 
 
-def risk_of(found: Iterable[RelaxedSet]) -> float | None:
-    """Return what relaxed plans risk; None where nobody meets anything, which says nothing.
+def risk_share(found: Iterable[RelaxedSet], risk_bound: float) -> float | None:
+    """Return what relaxed plans risk [-]; None where nobody meets anything, which says nothing.
 
     Parameters
     ----------
     found : iterable of RelaxedSet
         Parts that were searched.
+    risk_bound : float
+        Δ, of which it is a share.
     """
     risks = [one.best.risk for one in found if one.best is not None and not one.is_trivial]
-    return sum(risks) if risks else None
+    return sum(risks) / risk_bound if risks else None

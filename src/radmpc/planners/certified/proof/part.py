@@ -24,6 +24,7 @@ __all__ = [
     "PartAnswer",
     "PartOrder",
     "PartTask",
+    "grows_after",
     "paid_by",
     "paid_for_hazards",
     "tails_for",
@@ -142,7 +143,7 @@ class PartOrder:
 
     @classmethod
     def of_effort(
-        cls, effort: int, nodes: int, price: float, num_directions: int, worth: float, spare: float
+        cls, effort: int, nodes: int, price: float, worth: float, spare: float
     ) -> PartOrder:
         """Return what is asked in a later effort: more nodes, finer gaps, sets of more vehicles.
 
@@ -152,16 +153,14 @@ class PartOrder:
             How often the nodes are doubled [-].
         nodes : int
             Nodes per vehicle of a set without any more effort [-].
-        price, num_directions, worth
+        price, worth
             As in `PartOrder`.
         spare : float
             Nodes of all sets together [-].
         """
         nodes, gap = nodes * 2**effort, TUNING.set_gap * TUNING.finer**effort
-        # Where a few hundred nodes do, pairs are enough.
-        more = (nodes // TUNING.nodes_of_pairs).bit_length()
-        asked = worth, spare, effort > 0, min(2 + more, TUNING.most_together)
-        return cls(price, num_directions, gap, nodes, *asked)
+        asked = worth, spare, effort > 0, _most_fewer(nodes)
+        return cls(price, TUNING.directions, gap, nodes, *asked)
 
     def is_done(self, found: RelaxedSet) -> bool:
         """Tell whether no search of a set at this price is worth more nodes."""
@@ -211,6 +210,23 @@ class PartAnswer:
     sets: Mapping[Members, RelaxedSet]
     nodes: int
     is_new: bool
+
+
+def grows_after(effort: int, nodes: int) -> bool:
+    """Whether sets of more vehicles are searched before larger ones in the next effort.
+
+    Parameters
+    ----------
+    effort, nodes : int
+        As in `PartOrder.of_effort`.
+    """
+    return _most_fewer(nodes * 2 ** (effort + 1)) > _most_fewer(nodes * 2**effort)
+
+
+def _most_fewer(nodes: int) -> int:
+    """Return the size of sets that are searched first: where a few hundred nodes do, pairs."""
+    more = (nodes // TUNING.nodes_of_pairs).bit_length()
+    return min(2 + more, TUNING.most_together)
 
 
 def paid_for_hazards(model: CondensedModel, controls: Matrix, base: float) -> float:

@@ -16,7 +16,7 @@ from radmpc.planners.certified.proof.grouping import (
     parts_of,
     proven_within,
 )
-from radmpc.planners.certified.proof.next_price import better_price, risk_of
+from radmpc.planners.certified.proof.next_price import better_price, risk_share
 from radmpc.planners.certified.proof.part import (
     Part,
     PartAnswer,
@@ -127,7 +127,7 @@ class BoundSearch:
         """
         self.incumbent, self.parts, self.is_left = incumbent, {}, False
         if abs(price - self.price) > TUNING.same_price * self.price:
-            self.price = price
+            self.go_on_at(price)
 
     @property
     def is_over(self) -> bool:
@@ -141,28 +141,28 @@ class BoundSearch:
         return self.fleet.gap if self.is_by_faces else max(TUNING.gap, self.fleet.gap)
 
     def run(self) -> None:
-        """Raise the bound, by more nodes, by another price, by more directions."""
-        for number, num_directions in enumerate(TUNING.directions):
-            if number:
-                self.proven, self._totals = {}, PartTotals({})
-            for _ in range(TUNING.prices):
-                self._search(num_directions)
-                _LOG.info(
-                    "bound on any plan%s: %.6g, %d directions, price of 1 %% of Δ %.3g, %d nodes",
-                    *(" by faces" * self.is_by_faces, self.best, num_directions),
-                    *(0.01 * self.fleet.scenario.risk_bound * self.price, self.nodes),
-                )
-                if self.is_over or not self.moves_price():
-                    break
-            if self.is_over or self.is_by_faces:
+        """Raise the bound, by more nodes, and by another price."""
+        for _ in range(TUNING.prices):
+            self._search()
+            _LOG.info(
+                "bound on any plan%s: %.6g, %d directions, price of 1 %% of Δ %.3g, %d nodes",
+                *(" by faces" * self.is_by_faces, self.best, TUNING.directions),
+                *(0.01 * self.fleet.scenario.risk_bound * self.price, self.nodes),
+            )
+            if self.is_over or not self.moves_price():
                 return
 
     def moves_price(self, most_step: float = TUNING.most_step) -> bool:
         """Move the price, by a factor at most, if relaxed plans risk far more or less than Δ."""
-        before, risk = self.price, risk_of(whole for _, whole in self._found())
-        if risk is not None:
-            self.price = better_price(before, risk / self.fleet.scenario.risk_bound, most_step)
+        before, risk_bound = self.price, self.fleet.scenario.risk_bound
+        found = (whole for _, whole in self._found())
+        self.go_on_at(better_price(before, risk_share(found, risk_bound), most_step))
         return self.price != before
+
+    def go_on_at(self, price: float) -> None:
+        """Search at another price: at a lower one less is known of relaxations, too."""
+        if price != self.price:
+            self.price, self.parts = price, {}
 
     def relaxed_controls(self) -> tuple[Matrix, ...]:
         """Return the best plan of the relaxation; nothing where it is the plan at hand."""
@@ -195,11 +195,11 @@ class BoundSearch:
         """Return what a set's plan costs beyond the least in empty space."""
         return paid_by(self.fleet, self.incumbent, members)
 
-    def _search(self, num_directions: int) -> None:
+    def _search(self) -> None:
         """Search all parts at the present price, until what is open matters no more."""
         for effort in range(TUNING.rounds):
             bound, nodes = self.bound_here(), self.nodes
-            if self.is_left or not self.advance(TUNING.nodes, effort, self.order, num_directions):
+            if self.is_left or not self.advance(TUNING.nodes, effort, self.order):
                 return
             gain, left = self.bound_here() - bound, self.most_nodes - self.nodes
             # Of few vehicles, or while they are first searched alone, no rate is steady.
@@ -211,7 +211,6 @@ class BoundSearch:
         nodes: int,
         effort: int,
         parts: Sequence[Members],
-        num_directions: int = TUNING.directions[0],
     ) -> bool:
         """Search parts on at the present price; tell whether more effort promises anything.
 
@@ -223,11 +222,9 @@ class BoundSearch:
             How often they are doubled, and the sets' gaps made finer [-].
         parts : sequence of tuple of int
             The parts, in order.
-        num_directions : int
-            Directions around every hazard; of no meaning by faces.
         """
         is_new, worth = False, TUNING.worth * self.gap * self.incumbent.cost
-        asked = self.price, num_directions, worth, self.most_nodes - self.nodes
+        asked = self.price, worth, self.most_nodes - self.nodes
         order = PartOrder.of_effort(effort, nodes, *asked)
         with closing(self._answers(order, parts)) as answers:
             for members, answer in answers:

@@ -21,14 +21,14 @@ class Tuning:
     doubtful : float
         Gap from which half-spaces of small fleets are also turned to plans without noise [-]: one
         of three drones (`benchmarks/hunt.py`, seed 21, scene 853) becomes 2.8 % cheaper.
-    directions : tuple of int
-        Directions around every hazard, coarse to fine [-]. With 8, 16 and 24 the gap that is left
+    directions : int
+        Directions around every hazard [-]. With 8, 16 and 24 the gap that is left
         is 0.50, 0.35 and 0.27 % on `paper(8)`, 0.52, 0.13 and 0.10 % on `circle(4)`, in 940, 1,400
         and 1,700, and 430, 890 and 1,180 nodes.
     most_together : int
         Vehicles of a set that are searched together from the first; those of larger ones are
-        searched alone among many obstacles, and elsewhere in sets of up to as many [-]: pairs alone
-        of twenty robots among two hundred boxes took 2 GB and half a minute.
+        searched alone among many obstacles, and elsewhere in sets of up to as many, together last
+        [-]: pairs alone of twenty robots among two hundred boxes took 2 GB and half a minute.
     most_in_pairs : int
         Vehicles of a set up to which sets of fewer are searched among few obstacles [-]: 24 have
         276 pairs, which take a second.
@@ -103,7 +103,7 @@ class Tuning:
     gap: float = 5e-3
     reserve: float = 0.15
     doubtful: float = 0.02
-    directions: tuple[int, ...] = (16,)
+    directions: int = 16
     most_together: int = 8
     most_in_pairs: int = 24
     many_obstacles: int = 12
