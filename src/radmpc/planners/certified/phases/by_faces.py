@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.phases.tuning import TUNING
-from radmpc.planners.certified.proof.grouping import Proven
-from radmpc.planners.certified.proof.part import grows_after
+from radmpc.planners.certified.proof.grouping import Proven, grows_after
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.state.bounds import is_proven, shadow_price
 from radmpc.planners.certified.state.search_state import SearchState

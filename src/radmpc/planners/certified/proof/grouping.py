@@ -19,6 +19,8 @@ __all__ = [
     "Proven",
     "bound_together",
     "bounds_within",
+    "grows_after",
+    "most_fewer",
     "parts_of",
     "proven_within",
     "surplus",
@@ -50,6 +52,31 @@ def parts_of(sets: Sequence[Members], num_obstacles: int) -> tuple[Members, ...]
         is_small = len(members) <= most
         parts += [tuple(sorted(members))] if is_small else [(i,) for i in members]
     return tuple(parts)
+
+
+def most_fewer(nodes: int) -> int:
+    """Return how many vehicles the largest sets have that are searched before one of more is.
+
+    Parameters
+    ----------
+    nodes : int
+        Nodes per vehicle that a set may take [-]: where a few hundred do, pairs are enough.
+    """
+    more = (nodes // TUNING.nodes_of_pairs).bit_length()
+    return min(2 + more, TUNING.most_together)
+
+
+def grows_after(effort: int, nodes: int) -> bool:
+    """Whether sets of more vehicles are searched before larger ones in the next effort.
+
+    Parameters
+    ----------
+    effort : int
+        How often the nodes were doubled [-].
+    nodes : int
+        Nodes per vehicle without any more effort [-].
+    """
+    return most_fewer(nodes * 2 ** (effort + 1)) > most_fewer(nodes * 2**effort)
 
 
 def surplus(rows: dict[Members, int]) -> list[Members]:

@@ -11,6 +11,7 @@ from radmpc.gaussian import Tail
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.proof.grouping import most_fewer
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
@@ -24,7 +25,6 @@ __all__ = [
     "PartAnswer",
     "PartOrder",
     "PartTask",
-    "grows_after",
     "paid_by",
     "paid_for_hazards",
     "tails_for",
@@ -159,7 +159,7 @@ class PartOrder:
             Nodes of all sets together [-].
         """
         nodes, gap = nodes * 2**effort, TUNING.set_gap * TUNING.finer**effort
-        asked = worth, spare, effort > 0, _most_fewer(nodes)
+        asked = worth, spare, effort > 0, most_fewer(nodes)
         return cls(price, TUNING.directions, gap, nodes, *asked)
 
     def is_done(self, found: RelaxedSet) -> bool:
@@ -210,23 +210,6 @@ class PartAnswer:
     sets: Mapping[Members, RelaxedSet]
     nodes: int
     is_new: bool
-
-
-def grows_after(effort: int, nodes: int) -> bool:
-    """Whether sets of more vehicles are searched before larger ones in the next effort.
-
-    Parameters
-    ----------
-    effort, nodes : int
-        As in `PartOrder.of_effort`.
-    """
-    return _most_fewer(nodes * 2 ** (effort + 1)) > _most_fewer(nodes * 2**effort)
-
-
-def _most_fewer(nodes: int) -> int:
-    """Return the size of sets that are searched first: where a few hundred nodes do, pairs."""
-    more = (nodes // TUNING.nodes_of_pairs).bit_length()
-    return min(2 + more, TUNING.most_together)
 
 
 def paid_for_hazards(model: CondensedModel, controls: Matrix, base: float) -> float:
