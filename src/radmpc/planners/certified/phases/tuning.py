@@ -55,7 +55,8 @@ class Tuning:
         a first plan [-]: with 0.35 `clutter(10, 100, 1)` along intervals is 5 % dearer after 20 s.
     face_share_in_the_open : float
         The same of up to eight vehicles without obstacles [-], whose plans neighborhoods make
-        cheaper: within 60 s `multi_square8` comes to 0.9 % by faces with 0.6, to 2.0 with 0.25.
+        cheaper: within 60 s `multi_square8` comes to 0.9 to 1.3 % by faces with 0.6, to 2.0 with
+        0.25.
     least_vehicles, efforts_first, alone_share : int, int, float
         Vehicles from which on every one is searched alone before the search [-]: of four the search
         finds the same sides. Rounds of that, each with twice the nodes of the last, and share of
