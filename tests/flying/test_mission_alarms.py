@@ -68,9 +68,14 @@ def test_who_tells_more_than_a_state_is_measured_with_all_or_not_at_all(
         states = [v.start + 0.1 if i == k else None for k, v in enumerate(given.vehicles)]
         known, [alarm] = flown_by(given, expected, states)
         assert np.array_equal(known[i], expected[i]) == (i == 0)
-        assert alarm.startswith("no measurement" if i else "no measurement:")
+        # Told is who was not measured, whoever flies as expected.
+        whose = given.vehicles[1 - i].name
+        assert alarm == f"no measurement of {whose!r}: the tail flies on as expected"
     counted = replace(scenario, covariance_samples=200)
-    _, [alarm] = flown_by(counted, expected, [first.start, None])
+    known, [alarm] = flown_by(counted, expected, [first.start + 0.1, None])
+    assert all(np.array_equal(one, hoped) for one, hoped in zip(known, expected, strict=True))
+    assert alarm == f"no measurement of {second.name!r}: the tail flies on as expected"
+    _, [alarm] = flown_by(counted, expected, None)
     assert alarm == "no measurement: the tail flies on as expected"
 
 

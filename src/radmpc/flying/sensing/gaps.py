@@ -30,13 +30,10 @@ def flown_by(
         What was measured.
     """
     is_scaled = scenario.covariance_samples is not None
-    known, missing = [], []
-    pairs = zip(scenario.vehicles, expected, heard(scenario, states), strict=True)
-    for vehicle, hoped, state in pairs:
-        if state is None or is_scaled or vehicle.shared or remembers(vehicle):
-            known.append(hoped)
-            missing.append(vehicle.name)
-        else:
-            known.append(state)
-    whose = "" if len(missing) == len(known) else f" of {', '.join(map(repr, missing))}"
+    given, known = heard(scenario, states), []
+    for vehicle, hoped, state in zip(scenario.vehicles, expected, given, strict=True):
+        tells_more = is_scaled or bool(vehicle.shared) or remembers(vehicle)
+        known.append(hoped if state is None or tells_more else state)
+    names = [v.name for v, state in zip(scenario.vehicles, given, strict=True) if state is None]
+    whose = "" if len(names) == len(given) else f" of {', '.join(map(repr, names))}"
     return tuple(known), [f"no measurement{whose}: the tail flies on as expected"]
