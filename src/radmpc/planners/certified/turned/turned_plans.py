@@ -86,7 +86,7 @@ def turn_to(
         With a cheaper plan where there is one.
     """
     incumbent, task = state.incumbent, task_of(fleet, judge, controls)
-    turning = Turning(task, incumbent, incumbent.sets, price, is_outside=is_outside)
+    turning = Turning(task, incumbent, incumbent.sets, price, is_above=True, is_outside=is_outside)
     if task.hazards.count > TUNING.most_together:
         others = on_other_sides(task.hazards, incumbent.controls, controls)
         if not others:
