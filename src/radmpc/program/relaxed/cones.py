@@ -6,8 +6,9 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.relaxed.arcs import even_arcs, face_arcs
+from radmpc.program.relaxed.level_sets import level_points
 from radmpc.program.relaxed.normals import chosen_normals, roots_of
-from radmpc.program.relaxed.tails import Tails
+from radmpc.program.relaxed.tails import DiscTails, Tails
 from radmpc.records import dataclass
 
 __all__ = ["Cones", "Outline", "cones_around"]
@@ -21,6 +22,12 @@ _TWIN = 1e-6
 _LINE = 1e-6
 """Share of the larger deviation up to which noise counts as along a line [-]: directions cannot be
 parted in its metric, and nothing is asked."""
+
+_LOOSE = 0.2
+"""What a disc within a polygon loses from which on the polygon's own level set is looked for
+[standard deviations], a millisecond for ten instants: with 0.1 gaps of `paper(8)`, whose discs lose
+0.06 to 0.23, stay the same, and with none those to plans past a box of 1 by 2 m that is known
+within 0.3 m and 0.06 m/s are 9.4 % in the mean of ten draws instead of 4.6."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,6 +120,9 @@ def cones_around(outline: Outline, covariances: Tensor, tails: Tails, directions
     ``m · d`` is no less than the smaller of its values at the two, because the angle between m and
     n in the metric Σ is largest there. So ``q <= least + (m · x̄ − o) / min(m · d)``.
 
+    Where a disc within a polygon says too little, the level curve is the hull of means at which the
+    polygon is hit with probability Δ at least, and q the distance from that, see `level_points`.
+
     Parameters
     ----------
     outline : Outline
@@ -130,8 +140,9 @@ def cones_around(outline: Outline, covariances: Tensor, tails: Tails, directions
     Cones
         At most twice as many narrow ones as directions and faces together.
     """
-    chosen = chosen_normals(outline.faces, roots_of(covariances), directions)
-    curve, is_void = _level_curve(outline, covariances, tails, chosen.normals)
+    roots = roots_of(covariances)
+    chosen = chosen_normals(outline.faces, roots, directions)
+    curve, is_void = _level_curve(outline, covariances, tails, chosen.normals, roots)
     count = curve.points.shape[1]
     beside = chosen.beside_faces
     arcs = even_arcs(count) if beside is None else face_arcs(count, beside)
@@ -149,24 +160,32 @@ def cones_around(outline: Outline, covariances: Tensor, tails: Tails, directions
 
 
 def _level_curve(
-    outline: Outline, covariances: Tensor, tails: Tails, normals: Tensor
+    outline: Outline, covariances: Tensor, tails: Tails, normals: Tensor, roots: Tensor
 ) -> tuple[_LevelCurve, np.ndarray]:
     """Return the level curve at the least distance, and where none is known."""
     least, shifts, is_void = _least(outline.radius, covariances, tails)
     along = np.einsum("iab,ikb->ika", covariances, normals)
     lengths = np.sqrt(np.maximum(np.einsum("ika,ika->ik", normals, along), 0.0))
     gradients = along / np.where(lengths > 0.0, lengths, 1.0)[..., None]
-    grown = outline.radius * normals + least[:, None, None] * gradients
-    first, last = _support_points(outline.vertices, normals)
-    # One side of the hazard, not once there and once back, where two directions coincide.
-    is_twin = np.linalg.norm(normals - np.roll(normals, 1, axis=1), axis=2) < _TWIN
-    first = np.where(is_twin[..., None], last, first)
+    first, last = _sides_of(outline.vertices, normals)
+    first, last = first + outline.radius * normals, last + outline.radius * normals
+    far, margins = least[:, None, None] * gradients, least + shifts
+    ends = first + far, last + far
+    is_loose = _are_loose(covariances, shifts, is_void)
+    if isinstance(tails, DiscTails) and outline.faces.shape[1] and is_loose.any():
+        some = np.flatnonzero(is_loose)
+        support = first[some], last[some]
+        means, is_reached = level_points(support, normals[some], roots[some], tails.level)
+        some, means = some[is_reached], means[is_reached]
+        for end, of_hull in zip(ends, _sides_of(means, normals[some]), strict=True):
+            end[some] = of_hull
+        margins[some], is_void[some] = tails.level, False
     sizes = np.sqrt(np.maximum(np.trace(covariances, axis1=1, axis2=2), 0.0))
     curve = _LevelCurve(
-        _interleaved(first + grown, last + grown),
+        _interleaved(*ends),
         _interleaved(normals, normals),
         _interleaved(gradients, gradients),
-        least + shifts,
+        margins,
         sizes,
     )
     return curve, is_void
@@ -218,6 +237,23 @@ def _least(radius: float, covariances: Tensor, tails: Tails) -> tuple[Vector, Ve
         np.where(np.isnan(least), 0.0, shifts),
         is_void,
     )
+
+
+def _are_loose(covariances: Tensor, shifts: Vector, is_void: np.ndarray) -> np.ndarray:
+    """Return where a disc within a polygon says much less than the polygon does."""
+    values = np.linalg.eigvalsh(covariances)
+    is_regular = values[:, 0] > np.square(_LINE) * values[:, 1]
+    return np.asarray(is_regular & (is_void | (shifts > _LOOSE)))
+
+
+def _sides_of(vertices: Tensor, normals: Tensor) -> tuple[Tensor, Tensor]:
+    """Return what `_support_points` does, but each side once where two directions coincide.
+
+    Not once there and once back.
+    """
+    first, last = _support_points(vertices, normals)
+    is_twin = np.linalg.norm(normals - np.roll(normals, 1, axis=1), axis=2) < _TWIN
+    return np.where(is_twin[..., None], last, first), last
 
 
 def _support_points(vertices: Tensor, normals: Tensor) -> tuple[Tensor, Tensor]:

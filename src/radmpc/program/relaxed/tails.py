@@ -117,10 +117,13 @@ class DiscTails:
         may be certified.
     shifts : (r,) array
         What makes the half-plane's tail no more than the disc's [standard deviations].
+    level : float
+        Clearance from a half-plane that is hit with probability Δ [standard deviations].
     """
 
     least: Vector
     shifts: Vector
+    level: float
 
     @classmethod
     @lru_cache(maxsize=64)
@@ -142,7 +145,8 @@ class DiscTails:
         distances = low + np.linspace(0.0, 1.0, 30)[:, None] * (_FARTHEST - low)
         tails = np.maximum(probability(distances), 1e-300)
         shifts = (-ndtri(tails) - distances).max(axis=0) + _SAFETY
-        return cls(frozen(np.where(reachable, low, np.nan)), frozen(np.maximum(shifts, 0.0)))
+        least = np.where(reachable, low, np.nan)
+        return cls(frozen(least), frozen(np.maximum(shifts, 0.0)), float(-ndtri(risk_bound)))
 
     def at(self, radii: Vector) -> tuple[Vector, Vector]:
         """Return the least distances and the shifts of discs.
