@@ -90,7 +90,7 @@ def test_a_plan_that_no_plan_by_faces_reaches_is_shown_to_be_the_cheapest(planne
 
 @pytest.mark.parametrize("case", ["alternatives", "time"])
 def test_it_is_not_asked_where_it_would_not_end(case: str, planned, monkeypatch) -> None:
-    monkeypatch.setattr(least_alone, "_least", lambda *_: pytest.fail("a program is solved"))
+    monkeypatch.setattr(least_alone, "_cheaper", lambda *_: pytest.fail("a program is solved"))
     limits = Limits()
     if case == "alternatives":
         few = replace(least_alone.TUNING, most_alternatives=3)

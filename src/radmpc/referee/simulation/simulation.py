@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
@@ -16,6 +15,7 @@ from radmpc.model.scenario import Avoidance
 from radmpc.notebook import html_table
 from radmpc.records import dataclass
 from radmpc.referee.simulation.preparation import prepare
+from radmpc.system.processors import num_processors
 
 __all__ = ["Simulation", "simulate"]
 
@@ -179,7 +179,7 @@ def simulate(
     seeds = np.random.SeedSequence(entropy).spawn(len(sizes))
     counts = np.zeros(6, dtype=np.int64)
     done = 0
-    pool = ThreadPoolExecutor(max_workers=_num_workers())
+    pool = ThreadPoolExecutor(max_workers=num_processors())
     try:
         for found, part in zip(pool.map(flight.count, sizes, seeds), sizes, strict=True):
             counts += found
@@ -191,10 +191,3 @@ def simulate(
         pool.shutdown(cancel_futures=True)
     total, pairs, obstacles, exits, lost, saturated = (int(c) for c in counts)
     return Simulation(samples, total, pairs, obstacles, exits, saturated, flight.overlooked, lost)
-
-
-def _num_workers() -> int:
-    """Return the cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

@@ -1,4 +1,4 @@
-"""What vehicles among obstacles cost at least alone, by mixed-integer programs."""
+"""What vehicles among obstacles cost at least alone, by mixed-integer programs at once."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.phases.tuning import TUNING
 from radmpc.planners.certified.proof.part import paid_by
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
-from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import replace
+from radmpc.solvers.milp.at_once import minimized_at_once
 from radmpc.solvers.milp.big_m import encode
 from radmpc.solvers.milp.highs import HighsBackend
-from radmpc.solvers.solution import Limits
+from radmpc.solvers.milp.model import MilpModel
 
-__all__ = ["with_least_alone"]
+__all__ = ["are_told_alone", "with_least_alone"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -45,16 +45,30 @@ def with_least_alone(fleet: Fleet, incumbent: FleetIncumbent, risk: float) -> Fl
         vehicles so many alternatives that the time left says little of them.
     """
     costs, asked = list(fleet.base), _asked(fleet)
-    for place, i in enumerate(asked):
-        if fleet.limits.reached:
-            break
-        planned = costs[i] + paid_by(fleet, incumbent, (i,))
-        # A vehicle that needs less than its share leaves it to those after it.
-        limits = fleet.limits.within(fleet.limits.seconds_left / (len(asked) - place))
-        least = _least(fleet.programs.problem((i,)).program, risk, planned, fleet.gap, limits)
-        _LOG.info("vehicle %d alone costs %.6g at least, %.6g in the plan", i + 1, least, planned)
-        costs[i] = max(costs[i], min(least, planned))
-    return replace(fleet, least_costs=tuple(costs)) if asked else fleet
+    if not asked or fleet.limits.reached:
+        return fleet
+    planned = {i: costs[i] + paid_by(fleet, incumbent, (i,)) for i in asked}
+    models = {i: _cheaper(fleet, i, risk, planned[i]) for i in asked}
+    some = {i: model for i, model in models.items() if model is not None}
+    backend = HighsBackend(most_nodes=TUNING.most_nodes_alone)
+    answers = minimized_at_once(backend, tuple(some.values()), fleet.gap, fleet.limits)
+    for i, answer in zip(some, answers, strict=True):
+        least, most = min(answer.bound, (1.0 - fleet.gap) * planned[i]), planned[i]
+        _LOG.info("vehicle %d alone costs %.6g at least, %.6g in the plan", i + 1, least, most)
+        costs[i] = max(costs[i], min(least, most))
+    return replace(fleet, least_costs=tuple(costs))
+
+
+def are_told_alone(fleet: Fleet) -> bool:
+    """Whether so few vehicles have so few alternatives that such programs tell most of the bound.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet, with every vehicle's own program built, and the limits that end its search.
+    """
+    few = TUNING.most_led
+    return fleet.scenario.num_vehicles <= few and len(_asked(fleet)) == fleet.scenario.num_vehicles
 
 
 def _asked(fleet: Fleet) -> list[int]:
@@ -71,15 +85,12 @@ def _has_time(fleet: Fleet, num_alternatives: int) -> bool:
     return TUNING.seconds_each * num_alternatives <= fleet.limits.seconds_left
 
 
-def _least(
-    program: DisjunctiveProgram, risk: float, planned: float, gap: float, limits: Limits
-) -> float:
-    """Return what a vehicle costs at least, or what it costs in a plan if that is less."""
+def _cheaper(fleet: Fleet, i: int, risk: float, planned: float) -> MilpModel | None:
+    """Return what asks whether a vehicle alone costs less than in a plan; None says nothing."""
+    program = fleet.programs.problem((i,)).program
     are_empty = np.diff(program.avoidance_starts) == 0
     if program.num_avoidances == 0 or np.any(are_empty) or np.any(program.upper < program.lower):
-        return -np.inf
+        return None
     margins = program.rows.deviations * float(program.tail.clearance_for(min(risk, CONVEX_RISK)))
     # A vehicle that is dearer by less than the gap is none that closes it.
-    cheaper = encode(program, margins).costing_at_most((1.0 - gap) * planned)
-    answer = HighsBackend(most_nodes=TUNING.most_nodes_alone).minimize(cheaper, gap, limits)
-    return min(answer.bound, (1.0 - gap) * planned)
+    return encode(program, margins).costing_at_most((1.0 - fleet.gap) * planned)

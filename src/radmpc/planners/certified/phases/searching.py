@@ -14,6 +14,7 @@ from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.ended import ended
 from radmpc.planners.certified.phases.course import (
     is_among_many,
+    is_dear_alone,
     is_dear_between_few,
     is_tight_scene,
 )
@@ -135,6 +136,7 @@ def searched(
     if not is_tight and first.controls:
         is_dear = is_dear_between_few(fleet, first)
         first = _cheaper_first(fleet, first, run, is_dear=is_dear)
+        is_dear = is_dear or is_dear_alone(fleet, first)
         fleet = replace(fleet, found=_telling(run, first.cost))
         search = PriceSearch.of(fleet, run.judge, first.cost)
     on_any = max(on_any, float(sum(outside_norms_of(fleet).base)))
