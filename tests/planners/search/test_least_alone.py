@@ -13,7 +13,8 @@ from radmpc.planners import Branch, Centralized, Ira, Planner
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.phases import least_alone
 from radmpc.planners.certified.phases.by_faces import bound_faces_of_each
-from radmpc.planners.certified.phases.least_alone import with_least_alone
+from radmpc.planners.certified.phases.course import is_dear_alone
+from radmpc.planners.certified.phases.least_alone import are_bounded_alone, with_least_alone
 from radmpc.planners.certified.state.bounds import reported_bound
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
@@ -104,3 +105,26 @@ def test_it_is_not_asked_where_it_would_not_end(case: str, planned, monkeypatch)
 def test_what_is_not_told_in_time_is_not_raised(planned) -> None:
     problem = fleet_of(BOXES, Limits(is_stopped=lambda: True))
     assert with_least_alone(problem, planned, 0.05).base == problem.base
+
+
+def test_few_vehicles_with_few_alternatives_are_bounded_alone() -> None:
+    assert are_bounded_alone(fleet_of(BOXES))
+    assert not are_bounded_alone(fleet_of(clutter(4, 12, 3)))
+    assert not are_bounded_alone(fleet_of(BOXES, Limits().within(0.1)))
+
+
+@pytest.mark.parametrize(("factor", "seconds"), [(1.0, 60.0), (5.0, np.inf)])
+def test_sets_are_searched_where_the_plan_is_not_dear_or_time_has_no_end(
+    factor: float, seconds: float, planned
+) -> None:
+    along = replace(BOXES, avoidance="intervals")
+    problem = fleet_of(along, Limits().within(seconds))
+    cheap = float(sum(problem.base)) * 1.1
+    first = replace(planned, cost=factor * cheap)
+    assert not is_dear_alone(problem, first)
+
+
+def test_sets_are_left_where_a_plan_is_dear_among_many_obstacles(planned) -> None:
+    along = replace(BOXES, avoidance="intervals")
+    problem = fleet_of(along, Limits().within(60.0))
+    assert is_dear_alone(problem, replace(planned, cost=2.0 * float(sum(problem.base))))

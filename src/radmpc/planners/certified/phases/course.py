@@ -52,7 +52,7 @@ def is_dear_between_few(fleet: Fleet, first: FleetIncumbent) -> bool:
 
 
 def is_dear_alone(fleet: Fleet, first: FleetIncumbent) -> bool:
-    """Whether a few vehicles give up much among more obstacles, each with few alternatives.
+    """Whether a few vehicles give up much among many obstacles, each with few alternatives.
 
     Mixed-integer programs of each alone tell what faces cost at least there, given the time that
     sets would be searched in for little: the half-spaces of `parking` gain 0.2 % in 15 s.
@@ -64,11 +64,11 @@ def is_dear_alone(fleet: Fleet, first: FleetIncumbent) -> bool:
     first : FleetIncumbent
         A certified plan.
     """
-    if not _is_dear(fleet, first):
+    if len(fleet.scenario.obstacles) < TURNED_TUNING.many_obstacles or not _is_dear(fleet, first):
         return False
-    from radmpc.planners.certified.phases.least_alone import are_told_alone  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.phases.least_alone import are_bounded_alone  # noqa: PLC0415 - few need it
 
-    return are_told_alone(fleet)
+    return are_bounded_alone(fleet)
 
 
 def _is_dear(fleet: Fleet, first: FleetIncumbent) -> bool:

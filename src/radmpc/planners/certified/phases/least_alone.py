@@ -17,7 +17,7 @@ from radmpc.solvers.milp.big_m import encode
 from radmpc.solvers.milp.highs import HighsBackend
 from radmpc.solvers.milp.model import MilpModel
 
-__all__ = ["are_told_alone", "with_least_alone"]
+__all__ = ["are_bounded_alone", "with_least_alone"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -59,7 +59,7 @@ def with_least_alone(fleet: Fleet, incumbent: FleetIncumbent, risk: float) -> Fl
     return replace(fleet, least_costs=tuple(costs))
 
 
-def are_told_alone(fleet: Fleet) -> bool:
+def are_bounded_alone(fleet: Fleet) -> bool:
     """Whether so few vehicles have so few alternatives that such programs tell most of the bound.
 
     Parameters

@@ -134,9 +134,7 @@ def searched(
     if not fleet.programs.build_alone(run.limits, run.executor):
         return replace(_cut_off(search, state, first, run.limits), on_any=on_any, proven=proven)
     if not is_tight and first.controls:
-        is_dear = is_dear_between_few(fleet, first)
-        first = _cheaper_first(fleet, first, run, is_dear=is_dear)
-        is_dear = is_dear or is_dear_alone(fleet, first)
+        first, is_dear = _cheaper_first(fleet, first, run)
         fleet = replace(fleet, found=_telling(run, first.cost))
         search = PriceSearch.of(fleet, run.judge, first.cost)
     on_any = max(on_any, float(sum(outside_norms_of(fleet).base)))
@@ -195,13 +193,16 @@ def _cut_off(
     return SearchResult(search, state, first, answer, limits.reason or None)
 
 
-def _cheaper_first(
-    fleet: Fleet, first: FleetIncumbent, run: Run, *, is_dear: bool
-) -> FleetIncumbent:
-    """Make a first plan cheaper before the search, where that leads to what the search does not."""
-    if is_dear:
-        return _cheaper_nearby(fleet, first, run)
-    return _on_sides_alone(fleet, first, run) if is_among_many(fleet) else first
+def _cheaper_first(fleet: Fleet, first: FleetIncumbent, run: Run) -> tuple[FleetIncumbent, bool]:
+    """Make a first plan cheaper where that leads to what the search for sets does not.
+
+    And tell whether that search is left for something else.
+    """
+    if is_dear_between_few(fleet, first):
+        return _cheaper_nearby(fleet, first, run), True
+    if is_among_many(fleet):
+        first = _on_sides_alone(fleet, first, run)
+    return first, is_dear_alone(fleet, first)
 
 
 def _on_sides_alone(fleet: Fleet, first: FleetIncumbent, run: Run) -> FleetIncumbent:

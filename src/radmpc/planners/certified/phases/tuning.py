@@ -75,7 +75,8 @@ class Tuning:
     most_led, idle_neighborhoods : int
         Vehicles of a neighborhood at most [-], and neighborhoods in a row without a cheaper plan
         after which no other is searched [-]: of `zigzag` one in ten gains 2 to 10 %, and of
-        `multi_square8` 40 end at 27.32 to 27.43, 100 at 27.23 to 27.29.
+        `multi_square8` 40 end at 27.32 to 27.43, 100 at 27.23 to 27.29. Of up to as many vehicles
+        mixed-integer programs of each alone may tell most of the bound, too.
     efforts_alone : int
         Rounds of that bound of every vehicle alone, after which mixed-integer programs are tried
         [-]: of `parking` they have shown by then that they take far longer.
