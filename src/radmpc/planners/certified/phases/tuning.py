@@ -71,7 +71,8 @@ class Tuning:
     dear, least_together, share_among_obstacles : float, int, float
         Gap of a first plan to what vehicles cost in empty space, and vehicles in each other's way,
         from which on neighborhoods are searched instead of sets between a few obstacles, and share
-        of the time for the search that this may take [-].
+        of the time for the search that this may take [-]: with 0.6 `zigzag` within 60 s costs 4.10
+        instead of 3.98, and up to 15 % more with other seeds.
     most_led, idle_neighborhoods : int
         Vehicles of a neighborhood at most [-], and neighborhoods in a row without a cheaper plan
         after which no other is searched [-]: of `zigzag` one in ten gains 2 to 10 %, and of
@@ -119,7 +120,7 @@ class Tuning:
     turns_alone: int = 2
     ajar: float = 0.02
     share_in_the_open: float = 0.5
-    share_among_obstacles: float = 0.6
+    share_among_obstacles: float = 0.95
     dear: float = 0.3
     least_together: int = 3
     most_led: int = 3
