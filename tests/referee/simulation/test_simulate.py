@@ -157,7 +157,7 @@ def test_equal_seeds_give_equal_results_on_any_number_of_cores(monkeypatch):
     )
     monkeypatch.setattr(simulation, "_CHUNK_NUMBERS", 4096)
     first = simulate(plan, 20_001, rng=11)
-    monkeypatch.setattr(simulation, "_num_workers", lambda: 1)
+    monkeypatch.setattr(simulation, "num_processors", lambda: 1)
     alone = simulate(plan, 20_001, rng=np.random.default_rng(11))
     assert first.collisions == alone.collisions
     assert simulate(plan, 20_001, rng=12).collisions != first.collisions
