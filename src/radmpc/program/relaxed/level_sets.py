@@ -94,14 +94,18 @@ def _outward(beside: Tensor, level: float) -> tuple[Matrix, Flags]:
 
 
 def _sides(points: Tensor) -> tuple[Tensor, Matrix]:
-    """Return unit normals and offsets of the half-planes that a polygon lies in, (I, j, 2)."""
+    """Return unit normals and offsets of the half-planes that a polygon lies in, (I, j, 2).
+
+    Where one of its chords is a point, as that of twin directions is, the offset is inf.
+    """
     chords = np.roll(points, -1, axis=1) - points
     lengths = np.sqrt(np.square(chords).sum(axis=2))
     kept = np.flatnonzero((lengths > _SAME).any(axis=0))
     chords, lengths = chords[:, kept], lengths[:, kept]
     across = np.stack([chords[..., 1], -chords[..., 0]], axis=2)
     across /= np.maximum(lengths, _SAME)[..., None]
-    return across, np.einsum("ija,ija->ij", across, points[:, kept])
+    offsets = np.einsum("ija,ija->ij", across, points[:, kept])
+    return across, np.where(lengths > _SAME, offsets, np.inf)
 
 
 def _beside(points: Tensor, ahead: Tensor, sides: tuple[Tensor, Matrix]) -> Tensor:
