@@ -99,7 +99,7 @@ def test_what_a_solver_raises_is_raised_and_ends_the_others() -> None:
 
 
 def test_each_may_take_its_share_of_the_time_that_is_left(monkeypatch) -> None:
-    monkeypatch.setattr(at_once, "num_processors", lambda: 2)
+    monkeypatch.setattr(at_once, "num_processors", lambda: 1)
     backend = Timing([])
     minimized_at_once(backend, [knapsack(0)] * 4, 1e-6, Limits().within(60.0))
     shares = sorted(backend.seconds)
