@@ -23,8 +23,9 @@ _STEPS = 3
 """Steps outward, before a straight line is followed [-]: each leaves a tenth of what there was to
 go where a polygon is like a half-plane, and half of it at a sharp corner."""
 
-_BEYOND = 1.2
-"""How much further is looked than the line leads [-]."""
+_BEYOND, _LEAST_SLOPE = 1.2, 0.2
+"""How much further is looked than the line leads, and the least slope of that line [-]: where it is
+less, the chord is a shorter one."""
 
 _SAFETY = 1e-6
 """By how much means stay within the level, above rounding [standard deviations]."""
@@ -87,7 +88,7 @@ def _outward(beside: Tensor, level: float) -> tuple[Matrix, Flags]:
         near = near + moved
         here = _clearances(beside, near)
     slopes = np.maximum(here - before, _SAME) / np.maximum(moved, _SAME)
-    far = near + _BEYOND * np.maximum(level - here, 0.0) / np.maximum(slopes, 0.2)
+    far = near + _BEYOND * np.maximum(level - here, 0.0) / np.maximum(slopes, _LEAST_SLOPE)
     # Between the two they are no more than on the chord.
     share = np.maximum(level - here, 0.0) / np.maximum(_clearances(beside, far) - here, _SAME)
     return near + np.minimum(share, 1.0) * (far - near), is_reached
