@@ -220,6 +220,8 @@ def test_no_direction_beats_the_refined_one_at_a_step():
             first=np.array([0]),
             other=np.array([1]),
             piece=np.array([0]),
+            partner=np.array([1]),
+            track=np.array([-1]),
             means=rng.uniform(1.0, 2.0, (1, 1, 2)),
             covariances=(spread @ spread.T)[None, None],
             bent_covariances=None,

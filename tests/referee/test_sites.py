@@ -112,6 +112,8 @@ def test_who_is_in_a_box_or_beside_it_is_charged_what_samples_hit(at):
         first=one,
         other=one,
         piece=one,
+        partner=one - 1,
+        track=one - 1,
         means=np.array([[at]]),
         covariances=covariance[None, None],
         bent_covariances=None,

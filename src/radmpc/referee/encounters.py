@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.model.plan import Cause
 from radmpc.records import dataclass, replace
-from radmpc.referee.sites import Sites
+from radmpc.referee.sites import Sites, joined_rows
 
-__all__ = ["Encounters", "around", "blocks", "instant_sites", "interval_sites", "sites_at"]
+__all__ = ["Encounters", "around", "blocks", "instant_sites", "interval_sites", "sites_at", "together"]
 
 _BLOCK = 1_000_000
 """Numbers in the largest temporary array of one block [-]: twice as many take 20 MB more and are
@@ -30,6 +30,9 @@ class Encounters:
         Numbers of the vehicle, and of the obstacle or other vehicle.
     piece : (B,) int array
         Which convex piece of the obstacle; 0 for pairs.
+    partner, track : (B,) int array
+        Number of the vehicle that it is relative to, and place among the obstacles that are not
+        known exactly; −1 for none.
     means : (B, T+1, d) array
         Mean (relative) positions [m].
     covariances : (B, T+1, d, d) array
@@ -57,6 +60,8 @@ class Encounters:
     first: Indices
     other: Indices
     piece: Indices
+    partner: Indices
+    track: Indices
     means: Tensor
     covariances: Tensor
     bent_covariances: Tensor | None
@@ -72,6 +77,17 @@ class Encounters:
     def is_pair(self) -> bool:
         """Whether these are relative motions of two vehicles each."""
         return self.kind in {"pair", "range"}
+
+    def summed(self, values: Vector) -> Vector:
+        """Return the sum over all of its kind for each: pairs, obstacles on tracks, all others.
+
+        Parameters
+        ----------
+        values : (B,) array
+            Of each encounter.
+        """
+        kinds = 2 * (self.partner >= 0) + (self.track >= 0)
+        return np.bincount(kinds, values)[kinds]
 
     def against(self, corners: Tensor, directions: Tensor) -> Encounters:
         """Return the same motions against other sets that stand still.
@@ -93,6 +109,8 @@ class Encounters:
             self.first[chosen],
             self.other[chosen],
             self.piece[chosen],
+            self.partner[chosen],
+            self.track[chosen],
             self.means[chosen],
             self.covariances[chosen],
             None if bent is None else bent[chosen],
@@ -133,6 +151,37 @@ class Encounters:
             edges=moving(self.edges),
             begins=begins,
         )
+
+
+def together(every: Sequence[Encounters]) -> Encounters:
+    """Return the encounters of several batches in one; it is told to be of the kind of the first.
+
+    Parameters
+    ----------
+    every : sequence of Encounters
+        In the plane, of one motion, against sets that move in all or in none.
+    """
+    if len(every) == 1:
+        return every[0]
+    first = every[0]
+    bent = [one.bent_covariances for one in every if one.bent_covariances is not None]
+    return Encounters(
+        first.kind,
+        np.concatenate([one.first for one in every]),
+        np.concatenate([one.other for one in every]),
+        np.concatenate([one.piece for one in every]),
+        np.concatenate([one.partner for one in every]),
+        np.concatenate([one.track for one in every]),
+        np.concatenate([one.means for one in every]),
+        np.concatenate([one.covariances for one in every]),
+        np.concatenate(bent) if bent else None,
+        np.concatenate([one.sagittas for one in every]),
+        np.concatenate([one.radii for one in every]),
+        joined_rows([one.vertices for one in every], axis=2),
+        joined_rows([one.directions for one in every]),
+        np.concatenate([one.edges for one in every]),
+        first.samples,
+    )
 
 
 def blocks(encounters: Encounters) -> Iterator[Encounters]:

@@ -133,6 +133,8 @@ def relative_motion(
         first=i,
         other=j,
         piece=np.zeros(count, dtype=np.int64),
+        partner=j,
+        track=np.full(count, -1),
         means=motion.positions[i] - motion.positions[j],
         covariances=covariances,
         bent_covariances=bent,
@@ -276,11 +278,15 @@ def _obstacle_batch(motion: FleetMotion, group: Sequence[NearPiece]) -> Encounte
         more = np.repeat(spreads, sizes, axis=0)
         covariances = covariances + more
         bent = None if bent is None else bent + more[:, :-1]
+    other = np.repeat([near.obstacle for near in group], sizes)
+    nobody = np.full(len(first), -1)
     return Encounters(
         kind="obstacle",
         first=first,
-        other=np.repeat([near.obstacle for near in group], sizes),
+        other=other,
         piece=np.repeat([near.piece for near in group], sizes),
+        partner=nobody,
+        track=nobody if motion.tracks is None else motion.tracks.places[other],
         means=motion.positions[first],
         covariances=covariances,
         bent_covariances=bent,

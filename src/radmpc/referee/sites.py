@@ -86,19 +86,22 @@ def joined(every: Sequence[Sites]) -> Sites:
     )
 
 
-def joined_rows(every: Sequence[Tensor]) -> Tensor:
+def joined_rows(every: Sequence[Tensor], axis: int = 1) -> Tensor:
     """Return rows of vectors one after the other, the first of each repeated where there are fewer.
 
     Parameters
     ----------
-    every : sequence of (S, V, d) array
+    every : sequence of (S, ..., V, d) array
         V is at least 1 in each.
+    axis : int
+        That of V.
     """
-    most = max(rows.shape[1] for rows in every)
-    padded = [
-        np.concatenate([rows, np.repeat(rows[:, :1], most - rows.shape[1], axis=1)], axis=1)
-        for rows in every
-    ]
+    most = max(rows.shape[axis] for rows in every)
+    padded = []
+    for rows in every:
+        first = rows.take([0], axis)
+        missing = most - rows.shape[axis]
+        padded.append(np.concatenate([rows, np.repeat(first, missing, axis)], axis))
     return np.concatenate(padded)
 
 

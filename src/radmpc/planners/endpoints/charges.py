@@ -108,6 +108,8 @@ def _encounters_at(scenario: Scenario, place: Place) -> Encounters:
         first=none,
         other=none,
         piece=none,
+        partner=none - 1,
+        track=none - 1,
         means=place.points[None],
         covariances=np.broadcast_to(place.covariance, (1, count, d, d)),
         bent_covariances=None,

@@ -18,6 +18,7 @@ from radmpc.referee.encounters import (
     instant_sites,
     interval_sites,
     sites_at,
+    together,
 )
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.reserve import in_deviations
@@ -32,6 +33,9 @@ of a thousand vehicles among a hundred obstacles add up to less than anybody ask
 
 _FEW = 400
 """Sites of all batches together up to which they are looked at in one go [-]."""
+
+_FEW_ENCOUNTERS = 300
+"""Encounters of all batches together up to which they are looked at in one go along intervals [-]."""
 
 _BLOCK = 1_000_000
 """Numbers in the largest array of one block of sites: memory against the calls per block."""
@@ -57,11 +61,31 @@ def step_risks(
         Sums over steps bound the probability that the encounter collides at all.
     """
     if intervals:
-        every = [interval_risks(encounters, motion) for encounters in batches]
+        every = _interval_risks(batches, motion)
     else:
         every = instant_risks(batches)
     # What surely happens once need not be charged for more.
     return [found / np.maximum(found.sum(axis=1, keepdims=True), 1.0) for found in every]
+
+
+def _interval_risks(batches: Sequence[Encounters], motion: FleetMotion) -> list[Matrix]:
+    """Return the risks along intervals of all batches.
+
+    Few encounters take as long as one: those with what stands still, and those with what moves,
+    are looked at in one go each.
+    """
+    alike: dict[int, list[int]] = {}
+    is_few = sum(len(one.first) for one in batches) <= _FEW_ENCOUNTERS
+    for number, one in enumerate(batches):
+        # Edges in space are not padded.
+        joins = is_few and one.means.shape[2] == 2
+        alike.setdefault(one.vertices.shape[1] if joins else -number, []).append(number)
+    found: dict[int, Matrix] = {}
+    for numbers in alike.values():
+        some = [batches[number] for number in numbers]
+        ends = np.cumsum([len(one.first) for one in some])[:-1]
+        found |= zip(numbers, np.split(interval_risks(together(some), motion), ends), strict=True)
+    return [found[number] for number in range(len(batches))]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -39,7 +39,7 @@ WORTH = 1e-13
 """Sum of an encounter below which its intervals are not looked at in parts [-]."""
 
 TELLING = 1e-8
-"""Share of all encounters' sum below which one is charged as it is [-]."""
+"""Share of the sum of all encounters of its kind below which one is charged as it is [-]."""
 
 _APART = 1e-24
 """Risk across the line to the middle of a set below which no other half-space is tried in an
@@ -61,7 +61,7 @@ _FAINT = 1e-3
 are [-]."""
 
 LARGE = 0.1
-"""Share of all encounters' sum from which on one is looked at in many parts."""
+"""Share of the sum of all encounters of its kind from which on one is looked at in many parts."""
 
 Flags = npt.NDArray[np.bool_]
 
@@ -113,7 +113,7 @@ def _charged(encounters: Encounters, motion: FleetMotion, spans: Spans) -> Vecto
     charged = chain_charges(near, far, alone)
     sums = charged.sum(axis=1)
     # Steps have no parts, and what is far away is not looked at in parts: nor is when it is.
-    worth = np.flatnonzero((sums > WORTH) & (sums > TELLING * sums.sum()))
+    worth = np.flatnonzero((sums > WORTH) & (sums > TELLING * encounters.summed(sums)))
     for which, first, length in spans((near.sum(axis=2) + far)[worth]):
         chosen, intervals = worth[which], first[:, None] + np.arange(length)
         rows, held = np.arange(chosen.size)[:, None], own[chosen[:, None], intervals]
@@ -229,7 +229,7 @@ def _chained_risks(
     is_better = parted.sum(axis=1) < in_runs.sum(axis=1)
     found: Tensor = np.where(is_better[:, None], parted, in_runs)
     sums = found.sum(axis=1)
-    large = np.flatnonzero((sums > share * sums.sum()) & is_curved(encounters))
+    large = np.flatnonzero((sums > share * encounters.summed(sums)) & is_curved(encounters))
     if large.size:
         guides = own[large], turned[large]
         finer = part_charges(encounters.take(large), motion, guides, MANY_PARTS)

@@ -17,6 +17,8 @@ for the deviation in between.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
@@ -88,26 +90,55 @@ class Moments:
             self.bent_with_far[rows, parts],
         )
 
-    def correlated(self, crossed: CrossCovariances) -> Moments:
-        """Return moments of differences whose positions are correlated, from their sums' ones."""
-        return replace(
-            self,
-            own=relative(self.own, crossed.own),
-            bent=relative(self.bent, crossed.bent),
-            near_with_bent=self.near_with_bent - crossed.near_with_bent,
-            bent_with_far=self.bent_with_far - crossed.bent_with_far,
+    def less(self, other: Moments, rows: Indices) -> Moments:
+        """Return the moments of what is left of some positions less others, independent of them.
+
+        Parameters
+        ----------
+        other : Moments
+            Of as many vehicles.
+        rows : (B,) int array
+            From which they are taken, ascending.
+        """
+        return Moments(
+            _put(self.means, rows, np.subtract, other.means),
+            _put(self.sagittas, rows, np.subtract, other.sagittas),
+            _put(self.own, rows, np.add, other.own),
+            _put(self.bent, rows, np.add, other.bent),
+            _put(self.near_with_bent, rows, np.add, other.near_with_bent),
+            _put(self.bent_with_far, rows, np.add, other.bent_with_far),
         )
 
-    def minus(self, other: Moments) -> Moments:
-        """Return the moments of differences of independent positions."""
-        return Moments(
-            self.means - other.means,
-            self.sagittas - other.sagittas,
-            self.own + other.own,
-            self.bent + other.bent,
-            self.near_with_bent + other.near_with_bent,
-            self.bent_with_far + other.bent_with_far,
+    def correlated(self, crossed: CrossCovariances, rows: Indices) -> Moments:
+        """Return moments of differences whose positions are correlated, from their sums' ones.
+
+        Parameters
+        ----------
+        crossed : CrossCovariances
+            Of as many pairs.
+        rows : (B,) int array
+            Which they are, ascending.
+        """
+        return replace(
+            self,
+            own=_put(self.own, rows, relative, crossed.own),
+            bent=_put(self.bent, rows, relative, crossed.bent),
+            near_with_bent=_put(
+                self.near_with_bent, rows, np.subtract, crossed.near_with_bent
+            ),
+            bent_with_far=_put(self.bent_with_far, rows, np.subtract, crossed.bent_with_far),
         )
+
+
+def _put(
+    mine: Tensor, rows: Indices, made: Callable[[Tensor, Tensor], Tensor], others: Tensor
+) -> Tensor:
+    """Return an array whose rows are made of its own and of others."""
+    if len(rows) == len(mine):
+        return np.asarray(made(mine, others))
+    found = mine.copy()
+    found[rows] = made(mine[rows], others)
+    return found
 
 
 def moments_of(motion: FleetMotion, vehicles: Indices, parts: int) -> Moments:

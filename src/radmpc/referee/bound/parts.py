@@ -38,7 +38,7 @@ REACHES = (2, 1, 5, 9)
 """Neighbors on each side that directions are averaged over: takes the median from 1.76 to 1.47."""
 
 TELLING = 1e-4
-"""Share of all encounters' sum below which one is not worth more choices of directions."""
+"""Share of the sum of all encounters of its kind below which one is not worth more choices of directions."""
 
 
 def part_charges(
@@ -73,7 +73,7 @@ def part_charges(
     own = closest_directions(sites, faces, held[0].reshape(-1, d)).reshape(held[0].shape)
     charged = _cheapest(sites, crossed, (own, *held), parts)
     sums = charged.sum(axis=1)
-    telling = np.flatnonzero(sums > TELLING * sums.sum())
+    telling = np.flatnonzero(sums > TELLING * encounters.summed(sums))
     if telling.size:
         rows = (telling[:, None] * width + np.arange(width)).ravel()
         close, links = sites.take(rows), crossed.take(rows)
@@ -161,29 +161,21 @@ def part_sites(encounters: Encounters, motion: FleetMotion, parts: int) -> tuple
 
 def _relative(encounters: Encounters, motion: FleetMotion, parts: int) -> Moments:
     """Return the moments of the encounters' (relative) positions."""
-    pairs = encounters.is_pair
-    involved = [encounters.first, encounters.other] if pairs else [encounters.first]
-    vehicles = np.unique(np.concatenate(involved))
+    pairs, tracked = (np.flatnonzero(n >= 0) for n in (encounters.partner, encounters.track))
+    first, partner = encounters.first, encounters.partner[pairs]
+    vehicles = np.unique(np.concatenate([first, partner]))
     of_all = moments_of(motion, vehicles, parts)
-    first = np.searchsorted(vehicles, encounters.first)
+    mine, others = np.searchsorted(vehicles, first), np.searchsorted(vehicles, partner)
     if encounters.begins is not None:
         # Nothing moves then but vehicles, and nobody has noise in common.
-        span = encounters.begins * parts, encounters.sagittas.shape[1] * parts
-        mine, others = of_all.during(first, *span), np.searchsorted(vehicles, encounters.other)
-        return mine.minus(of_all.during(others, *span)) if pairs else mine
-    if not pairs:
-        of_vehicles = of_all.of(first)
-        if encounters.kind != "obstacle" or motion.tracks is None:
-            return of_vehicles
-        # All of a batch are known exactly, or none.
-        places = motion.tracks.places[encounters.other]
-        if not np.any(places >= 0):
-            return of_vehicles
-        tracks, place = np.unique(places, return_inverse=True)
-        return of_vehicles.minus(moments_of_tracks(motion.tracks, tracks, parts).of(place))
-    apart = of_all.of(first).minus(of_all.of(np.searchsorted(vehicles, encounters.other)))
-    if motion.common is None:
-        return apart
-    return apart.correlated(
-        cross_covariances(motion.common, encounters.first, encounters.other, parts)
-    )
+        begins, length = encounters.begins * parts, encounters.sagittas.shape[1] * parts
+        found = of_all.during(mine, begins, length)
+        return found.less(of_all.during(others, begins[pairs], length), pairs)
+    found = of_all.of(mine).less(of_all.of(others), pairs)
+    if tracked.size and motion.tracks is not None:
+        tracks, place = np.unique(encounters.track[tracked], return_inverse=True)
+        found = found.less(moments_of_tracks(motion.tracks, tracks, parts).of(place), tracked)
+    if pairs.size and motion.common is not None:
+        crossed = cross_covariances(motion.common, first[pairs], partner, parts)
+        found = found.correlated(crossed, pairs)
+    return found

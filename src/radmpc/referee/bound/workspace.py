@@ -38,6 +38,7 @@ def faces_of(workspace: Workspace, motion: FleetMotion) -> list[tuple[Matrix, En
     """
     count, _, d = motion.positions.shape
     everyone, none = np.arange(count), np.zeros(count, dtype=np.int64)
+    nobody = none - 1
     faces = []
     for axis in range(d):
         # Staying above `lower` along n = +axis, below `upper` along n = −axis.
@@ -49,6 +50,8 @@ def faces_of(workspace: Workspace, motion: FleetMotion) -> list[tuple[Matrix, En
                 first=everyone,
                 other=none,
                 piece=none,
+                partner=nobody,
+                track=nobody,
                 means=motion.positions,
                 covariances=motion.position_covariances,
                 bent_covariances=motion.bent_covariances if motion.is_bent else None,
