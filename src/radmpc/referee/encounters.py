@@ -11,7 +11,15 @@ from radmpc.model.plan import Cause
 from radmpc.records import dataclass, replace
 from radmpc.referee.sites import Sites, joined_rows
 
-__all__ = ["Encounters", "around", "blocks", "instant_sites", "interval_sites", "sites_at", "together"]
+__all__ = [
+    "Encounters",
+    "around",
+    "blocks",
+    "instant_sites",
+    "interval_sites",
+    "sites_at",
+    "together",
+]
 
 _BLOCK = 1_000_000
 """Numbers in the largest temporary array of one block [-]: twice as many take 20 MB more and are
@@ -87,7 +95,7 @@ class Encounters:
             Of each encounter.
         """
         kinds = 2 * (self.partner >= 0) + (self.track >= 0)
-        return np.bincount(kinds, values)[kinds]
+        return np.asarray(np.bincount(kinds, values)[kinds])
 
     def against(self, corners: Tensor, directions: Tensor) -> Encounters:
         """Return the same motions against other sets that stand still.

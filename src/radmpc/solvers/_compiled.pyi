@@ -1,10 +1,15 @@
-"""What is in ``compiled/``: a dual simplex method, rating, and chance rows."""
+"""What is in ``compiled/``: a dual simplex method, rating, chance rows, and lattice searches."""
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.solvers.lp.outcome import Numbers
+
+Single = npt.NDArray[np.float32]
+Bits = npt.NDArray[np.uint8]
+Shape = tuple[int, int, int]
+Box = tuple[int, int, int, int]
 
 class Program:
     def __new__(
@@ -116,3 +121,46 @@ def choose_avoidance(
     by_weight: bool,
     /,
 ) -> tuple[int, bool]: ...
+def lattice_slacks(
+    shape: Shape,
+    here: Matrix,
+    ahead: Matrix,
+    x: Vector,
+    y: Vector,
+    x_ahead: Vector,
+    y_ahead: Vector,
+    longest: tuple[float, float],
+    bounds: tuple[float, float],
+    /,
+) -> tuple[bytes, bytes, bytes]: ...
+def lattice_add_tails(
+    risks: Single,
+    numbers: npt.NDArray[np.uint32],
+    slacks: Single,
+    tails: Single,
+    scale: float,
+    /,
+) -> None: ...
+def lattice_change(
+    shape: Shape,
+    infeasible: float,
+    box: Box,
+    values: Single,
+    table: Single,
+    axis: int,
+    into: Single,
+    /,
+) -> None: ...
+def lattice_move(
+    shape: Shape,
+    infeasible: float,
+    source: Box,
+    target: Box,
+    values: Single,
+    risks: Single,
+    blocked: Bits,
+    costs: tuple[float, float, float],
+    in_time: Box,
+    into: Single,
+    /,
+) -> None: ...

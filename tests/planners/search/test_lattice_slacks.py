@@ -7,11 +7,20 @@ from itertools import product
 import numpy as np
 import pytest
 
+from radmpc.planners.certified.lattice import slacks
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes
 from radmpc.planners.certified.lattice.positions import Lattice
 from radmpc.planners.certified.lattice.slacks import slacks_of
 
 
+@pytest.fixture(params=["as installed", "without compiled code"])
+def code(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Measure with and without compiled code."""
+    if request.param == "without compiled code":
+        monkeypatch.setattr(slacks, "is_compiled", lambda: False)
+
+
+@pytest.mark.usefixtures("code")
 @pytest.mark.parametrize("seed", range(4))
 def test_displacements_are_blocked_or_near_as_the_best_alternative_says(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -36,8 +45,7 @@ def test_displacements_are_blocked_or_near_as_the_best_alternative_says(seed: in
             for one, two in zip(here, ahead, strict=True)
         ]
         expected[i, j, a, b] = max(rooms)
-    blocked = found.blocked(expected.size)
-    assert blocked is not None
+    blocked = np.unpackbits(found.bits, count=expected.size).view(np.bool_)
     np.testing.assert_array_equal(blocked, expected.ravel() < bounds[0])
     near = np.flatnonzero((expected.ravel() >= bounds[0]) & (expected.ravel() < bounds[1]))
     np.testing.assert_array_equal(np.sort(found.numbers), near)
@@ -47,6 +55,7 @@ def test_displacements_are_blocked_or_near_as_the_best_alternative_says(seed: in
     assert near.size
 
 
+@pytest.mark.usefixtures("code")
 def test_where_nothing_is_blocked_nothing_is_kept_of_it() -> None:
     lattice = Lattice(
         np.ones(2), np.zeros(2), np.zeros((2, 2), dtype=np.int64), np.zeros(2, int), (3, 3), 1
@@ -55,5 +64,29 @@ def test_where_nothing_is_blocked_nothing_is_kept_of_it() -> None:
     found = slacks_of(
         lattice, np.zeros(2, int), np.zeros(2, int), AvoidanceHalfPlanes(far, far, 1.0), (-1.0, 5.0)
     )
-    assert found.blocked(81) is None
+    assert not found.bits.size
     assert not found.numbers.size
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_lines_in_the_middles_of_gaps_are_measured_alike_by_both(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(seed)
+    lines = np.sort(rng.uniform(0.0, 4.0, 9)), np.sort(rng.uniform(0.0, 4.0, 8))
+    still = np.zeros((2, 2), dtype=np.int64)
+    lattice = Lattice(np.full(2, 0.5), np.zeros(2), still, still[0], (9, 8), 2, lines)
+    angles = rng.uniform(0.0, 2.0 * np.pi, 4)
+    normals = np.column_stack([np.cos(angles), np.sin(angles)])
+    planes = np.column_stack([normals, normals.sum(axis=1) * 2.0 - 0.3])
+    nothing = np.tile([0.0, 0.0, np.inf], (4, 1))
+    avoidance = AvoidanceHalfPlanes(nothing, planes, 0.2)
+    first = slacks_of(lattice, still[0], still[0], avoidance, (-0.1, 0.8))
+    monkeypatch.setattr(slacks, "is_compiled", lambda: False)
+    second = slacks_of(lattice, still[0], still[0], avoidance, (-0.1, 0.8))
+    np.testing.assert_array_equal(first.bits, second.bits)
+    one, two = (
+        dict(zip(s.numbers.tolist(), s.values.tolist(), strict=True)) for s in (first, second)
+    )
+    assert one == two
+    assert one

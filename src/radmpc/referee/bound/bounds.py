@@ -35,7 +35,8 @@ _FEW = 400
 """Sites of all batches together up to which they are looked at in one go [-]."""
 
 _FEW_ENCOUNTERS = 300
-"""Encounters of all batches together up to which they are looked at in one go along intervals [-]."""
+"""Encounters of all batches together up to which they are looked at in one go along intervals [-]:
+`paper(8)`, `paper(12)` and `fleet(16)` are judged in 0.72 of the time, `fleet(24)` in 1.07."""
 
 _BLOCK = 1_000_000
 """Numbers in the largest array of one block of sites: memory against the calls per block."""
@@ -60,10 +61,7 @@ def step_risks(
     list of (B, T+1) array
         Sums over steps bound the probability that the encounter collides at all.
     """
-    if intervals:
-        every = _interval_risks(batches, motion)
-    else:
-        every = instant_risks(batches)
+    every = _interval_risks(batches, motion) if intervals else instant_risks(batches)
     # What surely happens once need not be charged for more.
     return [found / np.maximum(found.sum(axis=1, keepdims=True), 1.0) for found in every]
 

@@ -123,9 +123,7 @@ class Moments:
             self,
             own=_put(self.own, rows, relative, crossed.own),
             bent=_put(self.bent, rows, relative, crossed.bent),
-            near_with_bent=_put(
-                self.near_with_bent, rows, np.subtract, crossed.near_with_bent
-            ),
+            near_with_bent=_put(self.near_with_bent, rows, np.subtract, crossed.near_with_bent),
             bent_with_far=_put(self.bent_with_far, rows, np.subtract, crossed.bent_with_far),
         )
 

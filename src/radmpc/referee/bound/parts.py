@@ -38,7 +38,8 @@ REACHES = (2, 1, 5, 9)
 """Neighbors on each side that directions are averaged over: takes the median from 1.76 to 1.47."""
 
 TELLING = 1e-4
-"""Share of the sum of all encounters of its kind below which one is not worth more choices of directions."""
+"""Share of the sum of all encounters of its kind below which one is not worth more choices of
+directions."""
 
 
 def part_charges(

@@ -14,6 +14,8 @@ static const Kind KINDS[] = {
     {'i', sizeof(int), "il", "int32"},
     {'q', sizeof(long long), "lq", "int64"},
     {'b', 1, "?bB", "bool"},
+    {'f', sizeof(float), "f", "float32"},
+    {'u', sizeof(unsigned), "IL", "uint32"},
 };
 
 /* Look into an array; -1, with an error, where it is none of the kind. */

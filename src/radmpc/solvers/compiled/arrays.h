@@ -1,4 +1,4 @@
-/* Arrays that Python hands over: contiguous, of float64 and int32. */
+/* Arrays that Python hands over: contiguous. */
 #ifndef RADMPC_ARRAYS_H
 #define RADMPC_ARRAYS_H
 
@@ -16,7 +16,7 @@ typedef struct {
 #define AT(arrays, i) ((arrays).views[i].buf)
 
 /* Look into arrays of the kinds named, 'd' for float64, 'i' for int32, 'q' for int64, 'b' for
- * bool; 0, with an error, where one is none of its kind. */
+ * bool or bytes, 'f' for float32, 'u' for uint32; 0, with an error, where one is none of its kind. */
 int arrays_look(Arrays *arrays, PyObject *const *objects, const char *kinds);
 void arrays_release(Arrays *arrays);
 

@@ -3,6 +3,7 @@
 #define RADMPC_MODULES_H
 
 #include "arrays.h"
+#include "lattice.h"
 #include "lp.h"
 #include "rating.h"
 #include "risk_rows.h"
@@ -21,6 +22,6 @@ RiskRows *risk_rows_in(PyObject *object);
 PyObject *basis_of(const Lp *lp);
 int basis_begin(Lp *lp, PyObject *bytes);
 
-extern PyMethodDef rating_functions[];
+extern PyMethodDef rating_functions[], lattice_functions[];
 
 #endif

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.lattice.half_planes import (
@@ -15,7 +14,10 @@ from radmpc.planners.certified.lattice.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass, replace
 
-__all__ = ["Lattice", "coarse_lattice", "finer_lattice", "snapped_lattice"]
+__all__ = ["Box", "Lattice", "coarse_lattice", "finer_lattice", "snapped_lattice"]
+
+Box = tuple[int, int, int, int]
+"""Positions from a row to below another, and from a column to below another."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,8 +64,13 @@ class Lattice:
         counts = [reference[a] + self.first[a] + np.arange(self.shape[a]) for a in (0, 1)]
         return [self.start[a] + self.stride[a] * counts[a] for a in (0, 1)]
 
-    def inside(self, k: int, lower: Vector, upper: Vector) -> npt.NDArray[np.bool_]:
-        """Return whether positions at a step lie in a box, up to half a cell.
+    @property
+    def everywhere(self) -> Box:
+        """All positions."""
+        return 0, self.shape[0], 0, self.shape[1]
+
+    def box(self, k: int, lower: Vector, upper: Vector) -> Box:
+        """Return which positions at a step lie in a box, up to half a cell.
 
         Parameters
         ----------
@@ -71,11 +78,6 @@ class Lattice:
             The step.
         lower, upper : (2,) array
             Corners of the box [m].
-
-        Returns
-        -------
-        (a, b) array
-            By position along each axis.
         """
         found = []
         for axis in (0, 1):
@@ -83,35 +85,31 @@ class Lattice:
             points = (cells + np.arange(self.shape[axis])) * self.stride[axis]
             points = points + self.start[axis]
             half = 0.5 * self.stride[axis]
-            found.append((points >= lower[axis] - half) & (points <= upper[axis] + half))
-        return np.asarray(found[0][:, None] & found[1][None, :])
+            inside = np.flatnonzero((points >= lower[axis] - half) & (points <= upper[axis] + half))
+            found += [int(inside[0]), int(inside[-1]) + 1] if inside.size else [0, 0]
+        return found[0], found[1], found[2], found[3]
 
-    def reached(
-        self, points: Matrix, indices: tuple[Indices, Indices], steps: Indices
-    ) -> list[Matrix]:
-        """Return where displacements from positions lead to, axis by axis.
+    def axes_ahead(self, reference: Indices, displacement: Indices) -> list[Vector]:
+        """Return where displacements lead to along each axis, the least from the first position on.
 
         Parameters
         ----------
-        points : (p, 2) array
-            The positions [m].
-        indices : pair of (p,) int array
-            Their cells along each axis, counted from the first.
-        steps : (s, 2) int array
-            The displacements, in cells.
+        reference, displacement : (2,) array
+            Where the lattice lies, and by how much it moves in this window [cells].
 
         Returns
         -------
-        list of (s, p) array
-            Coordinates along each axis [m].
+        list of (a + w - 1,) array
+            Coordinates [m]: from position i by displacement j that at i + j.
         """
-        if self.lines is None:
-            shift = steps * self.stride
-            return [points[:, a][None, :] + shift[:, a][:, None] for a in (0, 1)]
-        found: list[Matrix] = []
-        for line, index, moved in zip(self.lines, indices, steps.T, strict=True):
-            ahead: Indices = np.add.outer(moved, index)
-            found.append(line[np.clip(ahead, 0, len(line) - 1)])
+        found = []
+        for axis, count in enumerate(self.shape):
+            ahead = np.arange(count + 2 * self.reach) - self.reach + displacement[axis]
+            if self.lines is not None:
+                found.append(self.lines[axis][np.clip(ahead, 0, count - 1)])
+            else:
+                cells = reference[axis] + self.first[axis] + ahead
+                found.append(self.start[axis] + self.stride[axis] * cells)
         return found
 
 

@@ -16,7 +16,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix
 from radmpc.gaussian import CONVEX_RISK
@@ -33,9 +32,10 @@ from radmpc.planners.certified.lattice.tables import (
     INFEASIBLE,
     FeasibleValues,
     Float32,
+    Toll,
+    add_tails,
     changed,
-    shifted,
-    tail_of,
+    moved,
 )
 from radmpc.planners.certified.lattice.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
@@ -196,79 +196,78 @@ class PathSearch:
         most_risk: float,
     ) -> Indices | None:
         """Return the cheapest path over a lattice, (T+1, 2) cells from the start."""
-        motion, horizon = self.motion, self.model.horizon
+        motion, reach = self.motion, lattice.reach
         displacements = np.diff(lattice.reference, axis=0)
-        width = 2 * lattice.reach + 1
-        values = np.full((width, width, *lattice.shape), INFEASIBLE, dtype=np.float32)
-        origin = -lattice.first
-        values[(slice(None), slice(None), *origin)] = motion.first_costs(
-            displacements[0] * lattice.stride, lattice.stride, lattice.reach
+        shape = 2 * reach + 1, 2 * reach + 1, *lattice.shape
+        row, column = (int(place) for place in -lattice.first)
+        values = np.full(shape, INFEASIBLE, dtype=np.float32)
+        values[:, :, row, column] = motion.first_costs(
+            displacements[0] * lattice.stride, lattice.stride, reach
         )
-        weight = np.float32(price)
-        late = np.float32(delay_cost)
-        arrivals: list[FeasibleValues] = []
-        for k in range(horizon):
+        box, arrivals = (row, row + 1, column, column + 1), list[FeasibleValues]()
+        tables = self._tables(lattice)
+        for k in range(self.model.horizon):
             if limits.reached:
                 return None
             if k > 0:
-                tables = motion.change_costs(
-                    displacements[k - 1], displacements[k], lattice.stride, lattice.reach
-                )
-                values = changed(values, tables)
-            risks, is_blocked = self._risks(lattice, k, known)
-            values += weight * risks
-            values[is_blocked | (risks > min(most_risk, CONVEX_RISK))] = INFEASIBLE
-            values = shifted(values)
-            values[:, :, ~self._within_reach(lattice, k + 1)] = INFEASIBLE
-            if delay_cost > 0.0:
-                values[:, :, ~self._in_goal(lattice, k + 1)] += late
-            arrivals.append(FeasibleValues.of(values))
-        if values.min() >= 0.5 * INFEASIBLE:
-            return None
-        return self._traced(lattice, arrivals)
+                values = changed(values, tables[k - 1], box)
+            ahead = lattice.box(k + 1, self.model.reach_lower[k + 1], self.model.reach_upper[k + 1])
+            toll = self._toll(lattice, k, known, price, most_risk, delay_cost)
+            values = moved(values, toll, box, ahead)
+            arrivals.append(FeasibleValues.of(values, ahead))
+            if not arrivals[-1].values.size:
+                return None
+            box = ahead
+        return self._traced(lattice, tables, arrivals)
 
-    def _traced(self, lattice: Lattice, arrivals: list[FeasibleValues]) -> Indices:
+    def _tables(self, lattice: Lattice) -> list[tuple[Float32, Float32]]:
+        """Return the effort of changes from each displacement to the next."""
+        known: dict[bytes, tuple[Float32, Float32]] = {}
+        found, displacements = [], np.diff(lattice.reference, axis=0)
+        for k in range(1, len(displacements)):
+            last, following = displacements[k - 1 : k + 1]
+            key = displacements[k - 1 : k + 1].tobytes()
+            if key not in known:
+                parts = last, following, lattice.stride, lattice.reach
+                known[key] = self.motion.change_costs(*parts)
+            found.append(known[key])
+        return found
+
+    def _traced(
+        self,
+        lattice: Lattice,
+        tables: list[tuple[Float32, Float32]],
+        arrivals: list[FeasibleValues],
+    ) -> Indices:
         """Follow the cheapest path back from its end."""
-        displacements = np.diff(lattice.reference, axis=0)
-        last = np.unravel_index(int(arrivals[-1].whole().argmin()), arrivals[-1].shape)
+        last = arrivals[-1].cheapest
         displacement, cell = np.array(last[:2]), np.array(last[2:])
         cells = [cell]
         for k in range(self.model.horizon - 1, -1, -1):
             cell = cell - (displacement - lattice.reach)
             cells.append(cell)
             if k > 0:
-                tables = self.motion.change_costs(
-                    displacements[k - 1], displacements[k], lattice.stride, lattice.reach
-                )
-                total = arrivals[k - 1].whole()[:, :, cell[0], cell[1]]
-                total = (
-                    total
-                    + tables[0][displacement[0]][:, None]
-                    + tables[1][displacement[1]][None, :]
-                )
+                total = arrivals[k - 1].at(int(cell[0]), int(cell[1]))
+                along, across = tables[k - 1]
+                total = total + along[displacement[0]][:, None] + across[displacement[1]][None, :]
                 displacement = np.array(np.unravel_index(int(total.argmin()), total.shape))
         return np.asarray(cells[::-1] + lattice.first + lattice.reference)
 
-    def _within_reach(self, lattice: Lattice, k: int) -> npt.NDArray[np.bool_]:
-        """Whether positions lie in the vehicle's reach at a step, up to half a cell."""
-        return lattice.inside(k, self.model.reach_lower[k], self.model.reach_upper[k])
-
-    def _in_goal(self, lattice: Lattice, k: int) -> npt.NDArray[np.bool_]:
-        """Whether positions lie in the goal at a step, up to half a cell."""
-        goal = self.model.vehicle.goal
-        return lattice.inside(k, goal.lower, goal.upper)
-
-    def _risks(
-        self, lattice: Lattice, k: int, known: SlacksByKey
-    ) -> tuple[Float32, npt.NDArray[np.bool_]]:
-        """Return what every displacement risks in the window after a step, and which are blocked.
+    def _toll(
+        self,
+        lattice: Lattice,
+        k: int,
+        known: SlacksByKey,
+        price: float,
+        most_risk: float,
+        delay_cost: float,
+    ) -> Toll:
+        """Return what displacements risk in the window after a step, and which are blocked.
 
         What stands still is measured once: `known` keeps it from window to window.
         """
-        width = 2 * lattice.reach + 1
-        shape = (width, width, *lattice.shape)
-        risks = np.zeros(width * width * lattice.shape[0] * lattice.shape[1])
-        is_blocked = np.zeros(risks.shape, dtype=np.bool_)
+        count = (2 * lattice.reach + 1) ** 2 * lattice.shape[0] * lattice.shape[1]
+        risks, blocked = np.zeros(count, np.float32), np.zeros((count + 7) // 8, np.uint8)
         here = lattice.reference[k]
         displacement = lattice.reference[k + 1] - here
         for avoidance in self._avoidances[k]:
@@ -277,13 +276,14 @@ class PathSearch:
                 bounds = self._slack_bounds(avoidance)
                 known[key] = slacks_of(lattice, here, displacement, avoidance, bounds)
             slacks = known[key]
-            blocked = slacks.blocked(risks.size)
-            if blocked is not None:
-                is_blocked |= blocked
+            if slacks.bits.size:
+                blocked |= slacks.bits
             if slacks.numbers.size:
-                clearances = slacks.values / avoidance.deviation
-                risks[slacks.numbers] += tail_of(clearances, self.program.tail)
-        return risks.reshape(shape).astype(np.float32), is_blocked.reshape(shape)
+                add_tails(risks, slacks, avoidance.deviation, self.program.tail)
+        goal = self.model.vehicle.goal
+        is_timed = delay_cost > 0.0
+        in_time = lattice.box(k + 1, goal.lower, goal.upper) if is_timed else lattice.everywhere
+        return Toll(risks, blocked, price, min(most_risk, CONVEX_RISK), delay_cost, in_time)
 
     def _slack_bounds(self, avoidance: AvoidanceHalfPlanes) -> tuple[float, float]:
         """Return the slack that is too little whatever the risk, and what counts as little [m]."""

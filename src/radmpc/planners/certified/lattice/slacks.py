@@ -6,16 +6,17 @@ place and a slack (`parking` of s2m2: 6 MB a search, not 124).
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Indices
+from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes
 from radmpc.planners.certified.lattice.positions import Lattice
-from radmpc.planners.certified.lattice.tables import Float32
 from radmpc.records import dataclass
+from radmpc.solvers.compiled_code import is_compiled
+
+if is_compiled():
+    from radmpc.solvers import _compiled
 
 __all__ = ["Slacks", "slacks_of"]
 
@@ -37,13 +38,7 @@ class Slacks:
 
     bits: npt.NDArray[np.uint8]
     numbers: npt.NDArray[np.uint32]
-    values: Float32
-
-    def blocked(self, count: int) -> npt.NDArray[np.bool_] | None:
-        """Return whether each of all displacements is blocked; None where none is."""
-        if not self.bits.size:
-            return None
-        return np.unpackbits(self.bits, count=count).view(np.bool_)
+    values: npt.NDArray[np.float32]
 
 
 def slacks_of(
@@ -66,36 +61,69 @@ def slacks_of(
     bounds : pair of float
         Slack below which displacements are blocked, and below which it is little [m].
     """
-    least, little = bounds
     axes = lattice.axes(reference)
-    # Cells from which no displacement leads near are cut away first.
+    ahead = lattice.axes_ahead(reference, displacement)
     longest = (lattice.reach + np.abs(displacement)) * lattice.stride
+    if not is_compiled():
+        return _measured(lattice, avoidance, (axes, ahead), longest, bounds)
+    bits, numbers, values = _compiled.lattice_slacks(
+        (2 * lattice.reach + 1, *lattice.shape),
+        avoidance.here,
+        avoidance.ahead,
+        axes[0],
+        axes[1],
+        ahead[0],
+        ahead[1],
+        (float(longest[0]), float(longest[1])),
+        bounds,
+    )
+    return Slacks(
+        np.frombuffer(bits, dtype=np.uint8),
+        np.frombuffer(numbers, dtype=np.uint32),
+        np.frombuffer(values, dtype=np.float32),
+    )
+
+
+def _measured(
+    lattice: Lattice,
+    avoidance: AvoidanceHalfPlanes,
+    axes: tuple[list[Vector], list[Vector]],
+    longest: Vector,
+    bounds: tuple[float, float],
+) -> Slacks:
+    """Return the same without compiled code."""
+    (x_axis, y_axis), (x_ahead, y_ahead) = axes
+    least, little = bounds
+    planes = list(zip(avoidance.here, avoidance.ahead, strict=True))
+    # Cells from which no displacement leads near are cut away first.
     rough = np.full(lattice.shape, -np.inf)
-    for here, ahead in zip(avoidance.here, avoidance.ahead, strict=True):
+    for pair in planes:
         slack = np.full(lattice.shape, np.inf)
-        for plane in (here, ahead):
-            room = plane[2] - plane[0] * axes[0][:, None] - plane[1] * axes[1][None, :]
+        for plane in pair:
+            room = _room(plane, x_axis[:, None], y_axis[None, :])
             slack = np.minimum(slack, room - np.abs(plane[:2]) @ longest)
         rough = np.maximum(rough, slack)
-    x, y = np.nonzero(rough < little)
-    steps = (
-        np.array(list(product(range(-lattice.reach, lattice.reach + 1), repeat=2))) + displacement
-    )
-    points = np.column_stack([axes[0][x], axes[1][y]])
-    reached = lattice.reached(points, (x, y), steps)
-    best = np.full((len(steps), x.size), -np.inf)
-    for here, ahead in zip(avoidance.here, avoidance.ahead, strict=True):
-        now = here[2] - points @ here[:2]
-        then = ahead[2] - ahead[0] * reached[0] - ahead[1] * reached[1]
+    rows, columns = np.nonzero(rough < little)
+    width = 2 * lattice.reach + 1
+    i, j = (each.ravel()[:, None] for each in np.indices((width, width)))
+    best = np.full((width * width, rows.size), -np.inf)
+    for here, ahead in planes:
+        now = _room(here, x_axis[rows], y_axis[columns])
+        then = _room(ahead, x_ahead[rows + i], y_ahead[columns + j])
         np.maximum(best, np.minimum(now[None, :], then), out=best)
     number, cell = np.nonzero((best < little) & (best >= least))
-    cells = x * lattice.shape[1] + y
+    cells = rows * lattice.shape[1] + columns
     numbers = number * (lattice.shape[0] * lattice.shape[1]) + cells[cell]
     return Slacks(
         _bits(best < least, cells, lattice),
         numbers.astype(np.uint32),
         best[number, cell].astype(np.float32),
     )
+
+
+def _room(plane: Vector, x: Matrix, y: Matrix) -> Matrix:
+    """Return the slack that points have in a half-plane [m]."""
+    return np.asarray(plane[2] - plane[0] * x - plane[1] * y)
 
 
 def _bits(
