@@ -13,7 +13,7 @@ from radmpc.planners.certified.lattice.slacks import Slacks
 from radmpc.planners.certified.lattice.tables import (
     INFEASIBLE,
     FeasibleValues,
-    Toll,
+    WindowCosts,
     add_tails,
     changed,
     moved,
@@ -75,8 +75,8 @@ def test_values_move_with_their_displacement_and_pay_for_risk_and_delay(late: fl
     risks = rng.uniform(0.0, 0.1, values.size).astype(np.float32)
     blocked = rng.random(values.size) < 0.2
     source, in_time = (0, 4, 1, 6), (2, 5, 0, 4)
-    toll = Toll(risks, np.packbits(blocked), 10.0, 0.08, late, in_time)
-    found = inside(moved(values, toll, source, BOX))
+    costs = WindowCosts(risks, np.packbits(blocked), 10.0, 0.08, late, in_time)
+    found = inside(moved(values, costs, source, BOX))
     expected = np.full_like(values, INFEASIBLE)
     cells = product(range(3), range(3), range(*source[:2]), range(*source[2:]))
     for i, j, a, b in cells:

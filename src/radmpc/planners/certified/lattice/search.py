@@ -32,7 +32,7 @@ from radmpc.planners.certified.lattice.tables import (
     INFEASIBLE,
     FeasibleValues,
     Float32,
-    Toll,
+    WindowCosts,
     add_tails,
     changed,
     moved,
@@ -212,8 +212,8 @@ class PathSearch:
             if k > 0:
                 values = changed(values, tables[k - 1], box)
             ahead = lattice.box(k + 1, self.model.reach_lower[k + 1], self.model.reach_upper[k + 1])
-            toll = self._toll(lattice, k, known, price, most_risk, delay_cost)
-            values = moved(values, toll, box, ahead)
+            costs = self._window_costs(lattice, k, known, price, most_risk, delay_cost)
+            values = moved(values, costs, box, ahead)
             arrivals.append(FeasibleValues.of(values, ahead))
             if not arrivals[-1].values.size:
                 return None
@@ -253,7 +253,7 @@ class PathSearch:
                 displacement = np.array(np.unravel_index(int(total.argmin()), total.shape))
         return np.asarray(cells[::-1] + lattice.first + lattice.reference)
 
-    def _toll(
+    def _window_costs(
         self,
         lattice: Lattice,
         k: int,
@@ -261,7 +261,7 @@ class PathSearch:
         price: float,
         most_risk: float,
         delay_cost: float,
-    ) -> Toll:
+    ) -> WindowCosts:
         """Return what displacements risk in the window after a step, and which are blocked.
 
         What stands still is measured once: `known` keeps it from window to window.
@@ -283,7 +283,7 @@ class PathSearch:
         goal = self.model.vehicle.goal
         is_timed = delay_cost > 0.0
         in_time = lattice.box(k + 1, goal.lower, goal.upper) if is_timed else lattice.everywhere
-        return Toll(risks, blocked, price, min(most_risk, CONVEX_RISK), delay_cost, in_time)
+        return WindowCosts(risks, blocked, price, min(most_risk, CONVEX_RISK), delay_cost, in_time)
 
     def _slack_bounds(self, avoidance: AvoidanceHalfPlanes) -> tuple[float, float]:
         """Return the slack that is too little whatever the risk, and what counts as little [m]."""

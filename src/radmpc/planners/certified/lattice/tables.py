@@ -21,7 +21,15 @@ from radmpc.solvers.compiled_code import is_compiled
 if is_compiled():
     from radmpc.solvers import _compiled
 
-__all__ = ["INFEASIBLE", "FeasibleValues", "Float32", "Toll", "add_tails", "changed", "moved"]
+__all__ = [
+    "INFEASIBLE",
+    "FeasibleValues",
+    "Float32",
+    "WindowCosts",
+    "add_tails",
+    "changed",
+    "moved",
+]
 
 INFEASIBLE = 1e9
 """Value of what is not allowed: large beside any plan's cost, finite when summed over a path."""
@@ -62,7 +70,15 @@ class FeasibleValues:
 
     @classmethod
     def of(cls, values: Float32, box: Box) -> FeasibleValues:
-        """Return the values of an array at the positions of a box."""
+        """Return the values of an array at the positions of a box.
+
+        Parameters
+        ----------
+        values : (w, w, a, b) array
+            By displacement and position.
+        box : Box
+            The positions.
+        """
         inside = values[:, :, box[0] : box[1], box[2] : box[3]]
         is_feasible = inside < _LIMIT
         return cls(np.packbits(is_feasible), inside[is_feasible], inside.shape, (box[0], box[2]))
@@ -75,7 +91,13 @@ class FeasibleValues:
         return i, j, row + self.corner[0], column + self.corner[1]
 
     def at(self, row: int, column: int) -> Float32:
-        """Return the values of a position by displacement, (w, w), infeasible ones all the same."""
+        """Return the values of a position by displacement, (w, w), infeasible ones all the same.
+
+        Parameters
+        ----------
+        row, column : int
+            The position, in the box.
+        """
         by_move = self._is_feasible.reshape(-1, self.shape[2] * self.shape[3])
         cell = (row - self.corner[0]) * self.shape[3] + column - self.corner[1]
         before = by_move.sum(axis=1).cumsum() - by_move[:, cell:].sum(axis=1)
@@ -91,7 +113,7 @@ class FeasibleValues:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Toll:
+class WindowCosts:
     """What displacements from positions cost in a window besides the effort.
 
     Attributes
@@ -187,14 +209,14 @@ def _change(values: Float32, table: Float32, axis: int, box: Box, into: Float32)
         np.minimum(least, source[before][inside] + table[after, before], out=least)
 
 
-def moved(values: Float32, toll: Toll, source: Box, target: Box) -> Float32:
+def moved(values: Float32, costs: WindowCosts, source: Box, target: Box) -> Float32:
     """Return values by displacement and position, (w, w, a, b), at the positions they lead to.
 
     Parameters
     ----------
     values : (w, w, a, b) array
         Values by next displacement and position.
-    toll : Toll
+    costs : WindowCosts
         What is added to them.
     source, target : Box
         Positions that are left, and that are reached; beside the latter there is anything.
@@ -202,21 +224,27 @@ def moved(values: Float32, toll: Toll, source: Box, target: Box) -> Float32:
     result = np.empty_like(values)
     width, _, rows, columns = values.shape
     if is_compiled():
-        parts = values, toll.risks, toll.blocked, (toll.weight, toll.most, toll.late), toll.in_time
+        parts = (
+            values,
+            costs.risks,
+            costs.blocked,
+            (costs.weight, costs.most, costs.late),
+            costs.in_time,
+        )
         shape = width, rows, columns
         _compiled.lattice_move(shape, INFEASIBLE, source, target, *parts, result)
     else:
-        _move(values, toll, source, target, result)
+        _move(values, costs, source, target, result)
     return result
 
 
-def _move(values: Float32, toll: Toll, source: Box, target: Box, into: Float32) -> None:
+def _move(values: Float32, costs: WindowCosts, source: Box, target: Box, into: Float32) -> None:
     """Move values by displacements, without compiled code."""
     width, _, rows, columns = values.shape
-    risks = toll.risks.reshape(values.shape)
-    costs = values + np.float32(toll.weight) * risks
-    blocked = np.unpackbits(toll.blocked, count=values.size).view(np.bool_).reshape(values.shape)
-    costs[blocked | (risks > np.float32(toll.most)) | (costs >= _LIMIT)] = INFEASIBLE
+    risks = costs.risks.reshape(values.shape)
+    totals = values + np.float32(costs.weight) * risks
+    blocked = np.unpackbits(costs.blocked, count=values.size).view(np.bool_).reshape(values.shape)
+    totals[blocked | (risks > np.float32(costs.most)) | (totals >= _LIMIT)] = INFEASIBLE
     into.fill(INFEASIBLE)
     for i, j in product(range(width), repeat=2):
         down, right = i - width // 2, j - width // 2
@@ -224,7 +252,7 @@ def _move(values: Float32, toll: Toll, source: Box, target: Box, into: Float32) 
         left, end = max(source[2], target[2] - right), min(source[3], target[3] - right)
         if top < bottom and left < end:
             reached = into[i, j, top + down : bottom + down, left + right : end + right]
-            reached[:] = costs[i, j, top:bottom, left:end]
+            reached[:] = totals[i, j, top:bottom, left:end]
     is_late = np.ones((rows, columns), dtype=np.bool_)
-    is_late[toll.in_time[0] : toll.in_time[1], toll.in_time[2] : toll.in_time[3]] = False
-    into[:, :, is_late] += np.float32(toll.late)
+    is_late[costs.in_time[0] : costs.in_time[1], costs.in_time[2] : costs.in_time[3]] = False
+    into[:, :, is_late] += np.float32(costs.late)
