@@ -81,6 +81,15 @@ def test_a_vehicle_on_the_dearer_side_of_a_box_is_rerouted(seed: int) -> None:
     assert told == sorted(told, reverse=True)
 
 
+def test_every_cheaper_plan_is_told_as_soon_as_it_is_found() -> None:
+    around, scenario = plan_of(side_by_side(BOX, WALL)), side_by_side(BOX)
+    problem, judge, told = Fleet.of(scenario, 1e-3, Limits()), judge_of(scenario), list[float]()
+    tell = lambda one: told.append(one.cost)  # noqa: E731 - a word for it
+    found = search_neighborhoods(problem, around, judge, np.random.default_rng(0), tell)
+    assert told[-1] == found.cost < around.cost
+    assert len(told) == len(set(told))
+
+
 def effort(controls: tuple[Matrix, ...]) -> float:
     return float(sum(np.abs(each).sum() for each in controls))
 
@@ -133,7 +142,7 @@ def test_between_a_few_obstacles_neighborhoods_are_searched_instead_of_sets(
     scenario = import_scenario(INSTANCES / "s2m2" / "zigzag.yaml").scenario
     searched = list[float]()
 
-    def nearby(fleet, found, judge, rng):
+    def nearby(fleet, found, judge, rng, on_cheaper):
         searched.append(found.cost)
         return found
 
@@ -154,7 +163,7 @@ def test_in_the_open_they_are_searched_where_the_search_left_a_gap(
 ) -> None:
     scenario, searched = replace(circle(3), avoidance="intervals"), list[float]()
 
-    def nearby(fleet, found, judge, rng):
+    def nearby(fleet, found, judge, rng, on_cheaper):
         searched.append(found.cost)
         return replace(found, cost=found.cost - 1e-3)
 

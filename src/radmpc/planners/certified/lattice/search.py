@@ -19,6 +19,7 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix
 from radmpc.gaussian import CONVEX_RISK
+from radmpc.planners.certified.lattice.cheapest import cheapest_cells
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes, half_planes_of
 from radmpc.planners.certified.lattice.motion import Motion
 from radmpc.planners.certified.lattice.positions import (
@@ -28,22 +29,14 @@ from radmpc.planners.certified.lattice.positions import (
     snapped_lattice,
 )
 from radmpc.planners.certified.lattice.slacks import Slacks, slacks_of
-from radmpc.planners.certified.lattice.tables import (
-    INFEASIBLE,
-    FeasibleValues,
-    Float32,
-    WindowCosts,
-    add_tails,
-    changed,
-    moved,
-)
+from radmpc.planners.certified.lattice.tables import WindowCosts, add_tails
 from radmpc.planners.certified.lattice.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.solution import Limits
 from radmpc.system.memory import hand_back_freed
 
-__all__ = ["PathSearch"]
+__all__ = ["PathSearch", "SlacksByKey"]
 
 SlacksByKey = dict[tuple[object, ...], Slacks]
 """How near an obstacle is on a lattice. Not kept from price to price: measuring a hundred boxes
@@ -52,6 +45,24 @@ again takes a sixth of a search's time."""
 BLOCKED = 1.0 / 32.0
 """Deviations within an obstacle from which on a displacement is blocked: more than even odds of a
 collision, which no avoidance may take, and more than one entry of the table of tails."""
+
+Others = Sequence[Sequence[AvoidanceHalfPlanes]]
+"""What a path keeps clear of in each window besides the program's avoidances."""
+
+
+@dataclass(frozen=True)
+class _Terms:
+    """What a path costs besides its effort, what it may risk, and when to stop.
+
+    The price of risk is per unit of probability, as the most that an avoidance may take in a
+    window; the cost of delay is that of every step at whose end the vehicle is not in its goal.
+    """
+
+    price: float
+    most_risk: float
+    limits: Limits
+    delay_cost: float = 0.0
+    others: Others = ()
 
 
 @dataclass(eq=False)
@@ -148,10 +159,42 @@ class PathSearch:
         lattice = self._lattice()
         known: SlacksByKey = {}
         for most_risk in most_risks:
-            cells = self._search(lattice, price, 0.0, limits, known, most_risk)
+            cells = self._search(lattice, _Terms(price, most_risk, limits), known)
             if cells is None:
                 return
             yield lattice.positions(cells)
+
+    def path_among(
+        self,
+        others: Others,
+        price: float,
+        most_risk: float,
+        limits: Limits,
+        known: SlacksByKey,
+    ) -> Matrix | None:
+        """Return the best positions on the coarse lattice among others.
+
+        Parameters
+        ----------
+        others : sequence of sequence of AvoidanceHalfPlanes
+            What it keeps clear of in each window besides the program's avoidances.
+        price, limits
+            As in `path`.
+        most_risk : float
+            What an avoidance may take in a window at most [-].
+        known : dict
+            What is known of the program's avoidances from one search to the next; filled.
+
+        Returns
+        -------
+        (T+1, 2) array or None
+            Positions [m]; None where there is no path, or none was found in time.
+        """
+        self._look()
+        lattice = self._lattice()
+        terms = _Terms(price, most_risk, limits, others=others)
+        cells = self._search(lattice, terms, known)
+        return None if cells is None else lattice.positions(cells)
 
     def _look(self) -> None:
         """Lay out the avoidances, once."""
@@ -172,9 +215,10 @@ class PathSearch:
 
     def _refined_path(self, price: float, delay_cost: float, limits: Limits) -> Matrix | None:
         """Seek a path, on finer lattices where coarser ones have none, from then on there alone."""
+        terms = _Terms(price, self.unit, limits, delay_cost)
         while True:
             lattice = self._lattice()
-            cells = self._search(lattice, price, delay_cost, limits, {}, self.unit)
+            cells = self._search(lattice, terms, {})
             if cells is not None:
                 break
             if limits.reached or self.is_coarse_only or self.level == len(TUNING.reaches):
@@ -182,85 +226,20 @@ class PathSearch:
             self.level += 1
         if lattice.lines is None:
             finer = finer_lattice(lattice, cells)
-            found = self._search(finer, price, delay_cost, limits, {}, self.unit)
+            found = self._search(finer, terms, {})
             lattice, cells = finer, 2 * cells if found is None else found
         return lattice.positions(cells)
 
-    def _search(
-        self,
-        lattice: Lattice,
-        price: float,
-        delay_cost: float,
-        limits: Limits,
-        known: SlacksByKey,
-        most_risk: float,
-    ) -> Indices | None:
+    def _search(self, lattice: Lattice, terms: _Terms, known: SlacksByKey) -> Indices | None:
         """Return the cheapest path over a lattice, (T+1, 2) cells from the start."""
-        motion, reach = self.motion, lattice.reach
-        displacements = np.diff(lattice.reference, axis=0)
-        shape = 2 * reach + 1, 2 * reach + 1, *lattice.shape
-        row, column = (int(place) for place in -lattice.first)
-        values = np.full(shape, INFEASIBLE, dtype=np.float32)
-        values[:, :, row, column] = motion.first_costs(
-            displacements[0] * lattice.stride, lattice.stride, reach
-        )
-        box, arrivals = (row, row + 1, column, column + 1), list[FeasibleValues]()
-        tables = self._tables(lattice)
-        for k in range(self.model.horizon):
-            if limits.reached:
-                return None
-            if k > 0:
-                values = changed(values, tables[k - 1], box)
-            ahead = lattice.box(k + 1, self.model.reach_lower[k + 1], self.model.reach_upper[k + 1])
-            costs = self._window_costs(lattice, k, known, price, most_risk, delay_cost)
-            values = moved(values, costs, box, ahead)
-            arrivals.append(FeasibleValues.of(values, ahead))
-            if not arrivals[-1].values.size:
-                return None
-            box = ahead
-        return self._traced(lattice, tables, arrivals)
 
-    def _tables(self, lattice: Lattice) -> list[tuple[Float32, Float32]]:
-        """Return the effort of changes from each displacement to the next."""
-        known: dict[bytes, tuple[Float32, Float32]] = {}
-        found, displacements = [], np.diff(lattice.reference, axis=0)
-        for k in range(1, len(displacements)):
-            last, following = displacements[k - 1 : k + 1]
-            key = displacements[k - 1 : k + 1].tobytes()
-            if key not in known:
-                parts = last, following, lattice.stride, lattice.reach
-                known[key] = self.motion.change_costs(*parts)
-            found.append(known[key])
-        return found
+        def costs(k: int) -> WindowCosts:
+            return self._window_costs(lattice, k, terms, known)
 
-    def _traced(
-        self,
-        lattice: Lattice,
-        tables: list[tuple[Float32, Float32]],
-        arrivals: list[FeasibleValues],
-    ) -> Indices:
-        """Follow the cheapest path back from its end."""
-        last = arrivals[-1].cheapest
-        displacement, cell = np.array(last[:2]), np.array(last[2:])
-        cells = [cell]
-        for k in range(self.model.horizon - 1, -1, -1):
-            cell = cell - (displacement - lattice.reach)
-            cells.append(cell)
-            if k > 0:
-                total = arrivals[k - 1].at(int(cell[0]), int(cell[1]))
-                along, across = tables[k - 1]
-                total = total + along[displacement[0]][:, None] + across[displacement[1]][None, :]
-                displacement = np.array(np.unravel_index(int(total.argmin()), total.shape))
-        return np.asarray(cells[::-1] + lattice.first + lattice.reference)
+        return cheapest_cells(lattice, self.model, self.motion, costs, terms.limits)
 
     def _window_costs(
-        self,
-        lattice: Lattice,
-        k: int,
-        known: SlacksByKey,
-        price: float,
-        most_risk: float,
-        delay_cost: float,
+        self, lattice: Lattice, k: int, terms: _Terms, known: SlacksByKey
     ) -> WindowCosts:
         """Return what displacements risk in the window after a step, and which are blocked.
 
@@ -270,22 +249,27 @@ class PathSearch:
         risks, blocked = np.zeros(count, np.float32), np.zeros((count + 7) // 8, np.uint8)
         here = lattice.reference[k]
         displacement = lattice.reference[k + 1] - here
+        place = lattice, here, displacement
+        near = []
         for avoidance in self._avoidances[k]:
             key = (avoidance.key, *here, *displacement)
             if key not in known:
-                bounds = self._slack_bounds(avoidance)
-                known[key] = slacks_of(lattice, here, displacement, avoidance, bounds)
-            slacks = known[key]
+                largest = self._deviations[avoidance.key]
+                known[key] = slacks_of(*place, avoidance, self._slack_bounds(largest))
+            near.append((avoidance, known[key]))
+        for avoidance in terms.others[k] if terms.others else ():
+            bounds = self._slack_bounds(avoidance.deviation)
+            near.append((avoidance, slacks_of(*place, avoidance, bounds)))
+        for avoidance, slacks in near:
             if slacks.bits.size:
                 blocked |= slacks.bits
             if slacks.numbers.size:
                 add_tails(risks, slacks, avoidance.deviation, self.program.tail)
-        goal = self.model.vehicle.goal
-        is_timed = delay_cost > 0.0
+        goal, is_timed = self.model.vehicle.goal, terms.delay_cost > 0.0
         in_time = lattice.box(k + 1, goal.lower, goal.upper) if is_timed else lattice.everywhere
-        return WindowCosts(risks, blocked, price, min(most_risk, CONVEX_RISK), delay_cost, in_time)
+        most = min(terms.most_risk, CONVEX_RISK)
+        return WindowCosts(risks, blocked, terms.price, most, terms.delay_cost, in_time)
 
-    def _slack_bounds(self, avoidance: AvoidanceHalfPlanes) -> tuple[float, float]:
+    def _slack_bounds(self, deviation: float) -> tuple[float, float]:
         """Return the slack that is too little whatever the risk, and what counts as little [m]."""
-        largest = self._deviations[avoidance.key]
-        return -BLOCKED * largest, self._near_by * largest * 1.5
+        return -BLOCKED * deviation, self._near_by * deviation * 1.5

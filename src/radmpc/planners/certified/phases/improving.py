@@ -71,14 +71,20 @@ def searched_nearby(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
     if not (is_searched_nearby(fleet.scenario) and state.has_plan) or fleet.limits.reached:
         return state
     found = state.incumbent
-    gap = relative_gap(found.cost, reported_bound(fleet, state, fleet.gap))
+    bound = reported_bound(fleet, state, fleet.gap)
+    gap = relative_gap(found.cost, bound)
     if gap <= PHASES.ajar:
         return state
     from radmpc.planners.certified.phases.neighborhoods import search_neighborhoods  # noqa: PLC0415 - few need it
 
     share = PHASES.share_in_the_open * fleet.limits.seconds_left
     fleet = fleet.with_limits(fleet.limits.within(share))
-    found = search_neighborhoods(fleet, found, run.judge, run.rng.spawn(1)[0])
+
+    def on_cheaper(cheaper: FleetIncumbent) -> None:
+        run.found(cheaper.cost, bound)
+        run.improved(cheaper.controls)
+
+    found = search_neighborhoods(fleet, found, run.judge, run.rng.spawn(1)[0], on_cheaper)
     return replace(state, incumbent=found)
 
 

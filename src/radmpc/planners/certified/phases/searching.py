@@ -216,16 +216,14 @@ def _on_sides_alone(fleet: Fleet, first: FleetIncumbent, run: Run) -> FleetIncum
 
 
 def _cheaper_nearby(fleet: Fleet, first: FleetIncumbent, run: Run) -> FleetIncumbent:
-    """Search neighborhoods of a first plan, and tell of a cheaper one."""
+    """Search neighborhoods of a first plan, and tell of every cheaper one."""
     from radmpc.planners.certified.phases.neighborhoods import search_neighborhoods  # noqa: PLC0415 - few need it
 
     run.progress("improving", 0, 1)
     limits = fleet.limits
     fleet = fleet.with_limits(limits.within(PHASES.share_among_obstacles * limits.seconds_left))
-    found = search_neighborhoods(fleet, first, run.judge, run.rng.spawn(1)[0])
-    if found.cost < first.cost:
-        _tell_first(run, found)
-    return found
+    on_cheaper = partial(_tell_first, run)
+    return search_neighborhoods(fleet, first, run.judge, run.rng.spawn(1)[0], on_cheaper)
 
 
 def _first(
