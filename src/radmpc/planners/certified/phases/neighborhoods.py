@@ -124,19 +124,19 @@ def search_neighborhoods(
         turning = Turning(task, found, found.sets, price)
         successive, chosen = turning.successive, draws.vehicles(found, fleet.base)
         successive.begin(found.controls)
-        is_replanned = rng.random() < _REPLANNED
-        if is_replanned and rng.random() < _MANY:
-            chosen = draws.many()
-        placed = replanning.places(chosen, successive.paths.means) if is_replanned else {}
+        placed: dict[int, Matrix] = {}
+        if replanning.is_planar and rng.random() < _REPLANNED:
+            replanned = draws.many() if rng.random() < _MANY else chosen
+            placed = replanning.places(replanned, successive.paths.means)
+            chosen = replanned if placed else chosen
         for i in chosen:
-            drawn = placed.get(i)
-            successive.refer(i, draws.places(i, found.controls[i]) if drawn is None else drawn)
+            place = placed.get(i)
+            successive.refer(i, draws.places(i, found.controls[i]) if place is None else place)
         begin = _PLACED if placed else _DRAWN
         terms = TURNING.narrower * clearance, begin.sweeps, limits, begin.penalty
         successive.keep_apart(*terms, is_shared=bool(placed))
         least = (1.0 - TUNING.little * task.gap) * found.cost
-        hopeful = begin.hopeful * found.cost
-        is_cheap = not placed or successive.paths.cost() <= hopeful
+        is_cheap = not placed or successive.paths.cost() <= begin.hopeful * found.cost
         if float(successive.missed.sum()) <= allowed and is_cheap:
             successive.restore(successive.paths.state())
             found = turning.run(_TELLING, found.cost)

@@ -45,6 +45,11 @@ class Replanning:
     _searches: dict[int, PathSearch] = field(default_factory=dict)
     _slacks: dict[int, SlacksByKey] = field(default_factory=dict)
 
+    @property
+    def is_planar(self) -> bool:
+        """Whether there are lattices: in the plane."""
+        return self.fleet.scenario.dimension == 2
+
     def places(self, vehicles: Sequence[int], means: Tensor) -> dict[int, Matrix]:
         """Replan vehicles; each keeps clear of all that are not replanned later.
 
