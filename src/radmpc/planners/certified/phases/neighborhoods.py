@@ -38,7 +38,7 @@ nothing may stand in the way of others, and as much effort besides, for plans th
 
 _REPLANNED = 0.6
 """Share of neighborhoods that are replanned on a lattice, not drawn [-]: `zigzag` within 60 s costs
-3.96 to 4.02 (three seeds), with 1 up to 4.9, with 0 up to 4.6."""
+3.96 to 4.02 (three seeds), with 1 up to 4.5, with 0 up to 4.6."""
 
 _MANY, _MOST = 0.25, 8
 """Share of those in which many are replanned, not up to three: that leaves what three cannot; and
