@@ -11,7 +11,8 @@ import pytest
 
 from radmpc import import_scenario
 from radmpc.arrays import Matrix
-from radmpc.experiments.families import circle, paper
+from radmpc.experiments.families import circle, clutter, paper
+from radmpc.experiments.swarms import swarm
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.planners import Branch, Centralized, Certified, Ira, Optimal, Planner
@@ -175,3 +176,20 @@ def test_in_the_open_they_are_searched_where_the_search_left_a_gap(
     if is_searched:
         assert result.cost is not None
         assert result.cost <= searched[0]
+
+
+@pytest.mark.parametrize(
+    ("scenario", "is_nearby"),
+    [
+        (replace(circle(4), obstacles=()), True),
+        (paper(8, 0), True),
+        (paper(4, 0), False),
+        (clutter(10, 20, 0), False),
+        (swarm(6, 0), True),
+        (replace(swarm(6, 0), obstacles=(Obstacle.box("box", [90.0] * 3, [91.0] * 3),)), False),
+    ],
+)
+def test_after_the_search_they_are_for_few_vehicles_among_few_obstacles_in_the_plane(
+    scenario: Scenario, *, is_nearby: bool
+) -> None:
+    assert improving.is_searched_nearby(scenario) == is_nearby

@@ -52,7 +52,7 @@ def improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, judge: Jud
 
 
 def searched_nearby(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
-    """Search neighborhoods of the plan of a few vehicles in the open, if the search left a gap.
+    """Search neighborhoods of the plan of a few vehicles, if the search left a gap.
 
     Parameters
     ----------
@@ -89,15 +89,22 @@ def searched_nearby(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
 
 
 def is_searched_nearby(scenario: Scenario) -> bool:
-    """Whether neighborhoods of plans are searched after the search: a few vehicles in the open.
+    """Whether neighborhoods of plans are searched after the search: few vehicles, few obstacles.
+
+    Fewer than five among obstacles have had theirs searched before it, and in space these are
+    drawn, not replanned, which leads to nothing there.
 
     Parameters
     ----------
     scenario : Scenario
         The fleet.
     """
-    is_open = not (scenario.obstacles or scenario.has_windows)
-    return is_open and 1 < scenario.num_vehicles <= TUNING.few
+    least = 2
+    if scenario.obstacles:
+        least = TUNING.many
+        if scenario.dimension != 2 or len(scenario.obstacles) >= TUNING.many_obstacles:
+            return False
+    return least <= scenario.num_vehicles <= TUNING.few and not scenario.has_windows
 
 
 def cheaper(
