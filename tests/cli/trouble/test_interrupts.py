@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from cli.conftest import CROSSING
+from radmpc.console.running import guard
 from radmpc.experiments.study import read_rows
 from radmpc.io.native.plan_file import load_plan
 
@@ -187,3 +188,21 @@ def test_json_to_a_reader_of_one_line_is_no_error(folder: Path) -> None:
     )
     assert (result.stdout, result.stderr) == ("{\n", "")
     assert json.loads(result.stdout + "}") == {}
+
+
+def test_ctrl_c_while_a_class_is_made_is_no_defect() -> None:
+    """Python 3.11 hides it in an error of its own, as compiled modules do while they begin."""
+
+    class Interrupted:
+        def __set_name__(self, owner: type, name: str) -> None:
+            raise KeyboardInterrupt
+
+    def imported() -> None:
+        try:
+            type("Made", (), {"field": Interrupted()})
+        except KeyboardInterrupt as interrupt:
+            # From Python 3.12 on it comes as it is.
+            raise RuntimeError("Error calling __set_name__") from interrupt
+
+    assert guard._guarded(imported, is_debug=False) == 1
+    assert guard._guarded(lambda: int("x"), is_debug=False) == 3

@@ -162,8 +162,11 @@ def _verdict(error: Exception) -> tuple[str, Code]:
 
 
 def _is_interrupted_import(error: BaseException | None) -> bool:
-    """Whether Ctrl-C fell into the initialization of a compiled module, which hides it."""
-    if not isinstance(error, ImportError):
+    """Whether Ctrl-C fell into the initialization of a compiled module or of a class.
+
+    The former hides it in an ImportError, the latter, up to Python 3.11, in a RuntimeError.
+    """
+    if not isinstance(error, ImportError | RuntimeError):
         return False
     cause = error.__cause__ or error.__context__
     while cause is not None:
