@@ -55,14 +55,15 @@ static void move_row(const Lattice *lattice, const Toll *toll, const float *valu
     }
 }
 
-void lattice_move(const Lattice *lattice, const Box *from, const Box *to, const Toll *toll, const float *values,
-                  float *into) {
+int lattice_move(const Lattice *lattice, const Box *from, const Box *to, const Toll *toll, const float *values,
+                 float *into) {
     int width = lattice->width, reach = width / 2;
     fill(lattice, to, into);
     float *is_late = malloc(((size_t)lattice->columns + 1) * sizeof *is_late);
-    for (int c = 0; is_late && c < lattice->columns; c++)
+    if (!is_late) return 0;
+    for (int c = 0; c < lattice->columns; c++)
         is_late[c] = c >= toll->in_time.column && c < toll->in_time.column_end ? 0.0f : toll->late;
-    for (int i = 0; is_late && i < width; i++)
+    for (int i = 0; i < width; i++)
         for (int j = 0; j < width; j++) {
             int down = i - reach, right = j - reach;
             int first = larger(from->column, to->column - right);
@@ -77,6 +78,7 @@ void lattice_move(const Lattice *lattice, const Box *from, const Box *to, const 
             }
         }
     free(is_late);
+    return 1;
 }
 
 void slacks_free(Slacks *slacks) {

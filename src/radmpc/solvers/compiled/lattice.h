@@ -58,8 +58,9 @@ typedef struct {
     Box in_time;
 } Toll;
 
-/* Values at the positions that displacements lead to, from a box to a box: only that is written. */
-void lattice_move(const Lattice *lattice, const Box *from, const Box *to, const Toll *toll, const float *values,
-                  float *into);
+/* Values at the positions that displacements lead to, from a box to a box: only that is written. 0 where there is no
+ * memory. */
+int lattice_move(const Lattice *lattice, const Box *from, const Box *to, const Toll *toll, const float *values,
+                 float *into);
 
 #endif

@@ -123,7 +123,7 @@ static PyObject *move(PyObject *Py_UNUSED(module), PyObject *args) {
         return arrays_refuse(&arrays, "arrays of other lengths");
     toll.risks = AT(arrays, 1);
     toll.blocked = AT(arrays, 2);
-    lattice_move(&lattice, &from, &to, &toll, AT(arrays, 0), AT(arrays, 3));
+    if (!lattice_move(&lattice, &from, &to, &toll, AT(arrays, 0), AT(arrays, 3))) return arrays_no_memory(&arrays);
     arrays_release(&arrays);
     Py_RETURN_NONE;
 }
