@@ -20,6 +20,7 @@ from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planning import plan
 from radmpc.program.build import condensed_models, point_of
 from radmpc.program.relaxed.build import Relaxation, build_relaxation
+from radmpc.program.relaxed.left_out import near_each_other
 from radmpc.solvers.solution import Limits
 
 PRICE = 3.0
@@ -182,3 +183,53 @@ def test_only_vehicles_among_many_obstacles_of_their_own_have_their_reach_narrow
     for i in range(6):
         part = Part.of(found, incumbent, (i,), tails_for(scenario))
         assert part.is_narrowed == (len(part.scenario.obstacles) >= 12)
+
+
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+@pytest.mark.parametrize("seed", range(3))
+def test_two_vehicles_that_a_relaxation_keeps_apart_are_near_each_other(
+    seed: int, avoidance: str
+) -> None:
+    scenario = replace(paper(6, seed), avoidance=avoidance)
+    paths = paths_of(scenario, controls_of(scenario))
+    models = condensed_models(scenario)
+    largest = [np.trace(m.position_covariances, axis1=1, axis2=2).max() for m in models]
+    radii = np.array([vehicle.radius for vehicle in scenario.vehicles])
+    near = near_each_other(paths, radii, np.sqrt(largest), intervals=avoidance == "intervals")
+    names = [vehicle.name for vehicle in scenario.vehicles]
+    kept = relaxed(scenario, paths).program.avoidances
+    pairs = {(names.index(p.vehicle), names.index(p.other)) for p in kept if p.cause == "pair"}
+    assert pairs
+    assert all(near[i, j] and near[j, i] for i, j in pairs)
+    assert near.diagonal().all()
+    far = paths + 100.0 * np.arange(len(names))[:, None, None]
+    apart = near_each_other(far, radii, np.sqrt(largest), intervals=avoidance == "intervals")
+    assert (apart == np.eye(len(names), dtype=bool)).all()
+
+
+def test_sets_of_vehicles_that_keep_apart_are_searched_only_once_all_hazards_count() -> None:
+    """Of three two drive side by side; the third does so a hundred meters away."""
+    base, lanes = past(), (0.0, 1.5, 100.0)
+    vehicles = tuple(
+        replace(
+            base.vehicles[0],
+            name=f"v{lane}",
+            start=np.array([0.0, lane, 0.0, 0.0]),
+            goal=Goal(np.array([9.9, lane - 0.1]), np.array([10.1, lane + 0.1]), np.full(2, 0.05)),
+        )
+        for lane in lanes
+    )
+    scenario = replace(base, vehicles=vehicles)
+    controls = controls_of(scenario)
+    part = Part.of(
+        Fleet.of(scenario, 1e-3, Limits()),
+        FleetIncumbent(controls, 1e3, ((0, 1, 2),)),
+        (0, 1, 2),
+        tails_for(scenario),
+    )
+    part = replace(part, base=(0.0, 0.0, 0.0))  # Then each promises something.
+    order = PartOrder(PRICE, 16, 1e-3, 50, 0.0, float("inf"), is_whole=False)
+    first = search_part(PartTask(part, {}, order), Limits()).sets
+    assert set(first) == {(0,), (1,), (2,), (0, 1), (0, 1, 2)}
+    whole = search_part(PartTask(part, {}, replace(order, is_whole=True)), Limits()).sets
+    assert set(whole) == {(0,), (1,), (2,), (0, 1), (0, 2), (1, 2), (0, 1, 2)}

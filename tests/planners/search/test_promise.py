@@ -7,7 +7,13 @@ from types import SimpleNamespace
 import pytest
 
 from radmpc.experiments.families import fleet
-from radmpc.planners.certified.proof.promise import hidden_value, is_slow, unsearched_value
+from radmpc.planners.certified.proof.promise import (
+    hidden_value,
+    is_slow,
+    least_worth,
+    most_promising_first,
+    unsearched_value,
+)
 from radmpc.planners.certified.proof.search import BoundSearch
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planning import plan
@@ -32,6 +38,30 @@ def test_what_was_left_out_hides_no_more_than_the_plan_pays() -> None:
         (2,): SimpleNamespace(base=3.0, value=4.5, is_complete=False),  # worth more than the plan
     }
     assert hidden_value(sets.items(), lambda members: 1.0) == pytest.approx(0.5)
+
+
+def test_a_part_of_twice_the_vehicles_must_promise_four_times_as_much() -> None:
+    paid = {(0,): 1.0, (1, 2): 3.9, (3, 4): 4.1, (5,): 0.5}
+    assert most_promising_first(paid, paid.__getitem__) == ((3, 4), (0,), (1, 2), (5,))
+
+
+def test_a_few_parts_that_promise_little_are_not_searched() -> None:
+    worth = least_worth([5.0, 0.01 * TUNING.worth * 10.0], 10.0)
+    assert worth == pytest.approx(TUNING.worth * 10.0)
+
+
+def test_many_parts_that_promise_little_each_are_searched_but_for_a_share_of_the_gap() -> None:
+    at_stake = 10.0
+    paid = [0.9 * TUNING.worth * at_stake * (k + 1) / 100 for k in range(100)]
+    worth = least_worth(paid, at_stake)
+    left_out = [each for each in paid if each <= worth]
+    assert sum(left_out) <= TUNING.left_out * at_stake
+    assert sum(left_out) + min(set(paid) - set(left_out)) > TUNING.left_out * at_stake
+
+
+def test_parts_that_pay_nothing_are_never_searched() -> None:
+    assert least_worth([-1e-12, 0.0, 0.0], 10.0) >= 0.0
+    assert least_worth([0.0] * 9 + [1e-3] * 10_000, 10.0) >= 0.0
 
 
 @pytest.mark.slow

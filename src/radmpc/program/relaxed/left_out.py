@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.relaxed.cones import Outline
 from radmpc.program.relaxed.instants import Instants
 from radmpc.records import dataclass
 
-__all__ = ["Vicinity"]
+__all__ = ["Vicinity", "near_each_other"]
 
 _NEAR, _CLOSE = 10.0, 4.0
 """Deviations of the relative position within which a hazard is near a path, and within which it is
@@ -87,3 +88,33 @@ class Vicinity:
         apart = np.maximum(np.maximum(self.lower - at, at - self.upper), 0.0)
         reach = self.radius + deviations * self.deviations
         return bool(np.any((apart * apart).sum(axis=1) <= reach * reach))
+
+
+def near_each_other(
+    paths: Tensor, radii: Vector, deviations: Vector, *, intervals: bool
+) -> NDArray[np.bool_]:
+    """Tell which vehicles come so near each other that relaxations would not leave that out.
+
+    Parameters
+    ----------
+    paths : (N, T+1, d) array
+        Mean positions at the steps [m].
+    radii : (N,) array
+        Their hulls [m].
+    deviations : (N,) array
+        Sizes of their largest noise [m]; that of a relative position is at most the sum of two.
+    intervals : bool
+        Whether they may be anywhere on chords between the steps.
+
+    Returns
+    -------
+    (N, N) bool array
+        True for itself.
+    """
+    squares = ((paths[:, None] - paths[None]) ** 2).sum(axis=3)
+    reach = np.add.outer(radii, radii) + _NEAR * np.add.outer(deviations, deviations)
+    if intervals:
+        # Two that are nowhere else than at the middle of a step nearest are that much nearer.
+        half = 0.5 * np.linalg.norm(np.diff(paths, axis=1), axis=2).max(axis=1)
+        reach = reach + np.add.outer(half, half)
+    return np.asarray(squares.min(axis=2) <= reach * reach)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from radmpc.arrays import Tensor
 from radmpc.planners.certified.merging import Members
@@ -15,7 +16,9 @@ from radmpc.planners.certified.proof.part import Part, PartAnswer, PartOrder, Pa
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import in_empty_space, within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
+from radmpc.planners.components import components
 from radmpc.program.build import point_of
+from radmpc.program.relaxed.left_out import near_each_other
 from radmpc.program.relaxed.shared_rows import SharedCones, SharedRows
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.priced.lp import SetBound
@@ -76,6 +79,7 @@ class _PartSearch:
     shared: SharedRows
     nodes: int = 0
     surroundings: Surroundings | None = None
+    near: NDArray[np.bool_] | None = None
     visited: set[Members] = field(default_factory=set)
 
     @property
@@ -94,6 +98,8 @@ class _PartSearch:
         if self._has_spent or blocks in self.visited:
             return False
         self.visited.add(blocks)
+        if self._falls_apart(blocks):
+            return False
         is_little = proven is None and self.part.paid_for_hazards(blocks) <= order.worth
         if is_little or (proven is not None and order.is_done(proven)):
             return False
@@ -147,6 +153,16 @@ class _PartSearch:
         for size in range(3, most + 1):
             while not self._has_spent and (chosen := self._fewer.next(blocks, size, self.visited)):
                 self.advance(chosen)
+
+    def _falls_apart(self, blocks: Members) -> bool:
+        """Whether a set's relaxation is those of fewer of its vehicles, side by side."""
+        if self.order.is_whole or len(blocks) in {1, len(self.part.members)}:
+            return False
+        if self.near is None:
+            self.near = _near_in_plan(self.part)
+        near = self.near[np.ix_(blocks, blocks)]
+        edges = ((int(i), int(j)) for i, j in zip(*np.nonzero(near), strict=True))
+        return len(components(len(blocks), edges)) > 1
 
     def _is_too_large(self, blocks: Members) -> bool:
         """Whether sets of fewer vehicles of a set are searched first, and all together later."""
@@ -265,3 +281,15 @@ class _PartSearch:
         dearest = self.order.price * TUNING.most_step ** (TUNING.prices - 1)
         paid = self.part.paid_for_hazards(blocks) + base
         return paid + dearest * self.part.scenario.risk_bound
+
+
+def _near_in_plan(part: Part) -> NDArray[np.bool_]:
+    """Tell which vehicles of a part come near each other in the plan at hand."""
+    every = zip(part.models, part.controls, strict=True)
+    paths = np.stack([model.path(controls) for model, controls in every])
+    variances = [
+        np.trace(model.position_covariances, axis1=1, axis2=2).max() for model in part.models
+    ]
+    radii = np.array([model.vehicle.radius for model in part.models])
+    intervals = part.scenario.avoidance == "intervals"
+    return near_each_other(paths, radii, np.sqrt(variances), intervals=intervals)

@@ -26,7 +26,13 @@ from radmpc.planners.certified.proof.part import (
     tails_for,
 )
 from radmpc.planners.certified.proof.part_search import search_part, search_part_elsewhere
-from radmpc.planners.certified.proof.promise import hidden_value, is_slow, unsearched_value
+from radmpc.planners.certified.proof.promise import (
+    hidden_value,
+    is_slow,
+    least_worth,
+    most_promising_first,
+    unsearched_value,
+)
 from radmpc.planners.certified.proof.relaxed_plan import best_points, relaxed_plan
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
@@ -75,7 +81,7 @@ class BoundSearch:
     proven : dict of tuple of int to mapping of tuple of int to RelaxedSet
         What parts have built.
     order : tuple of tuple of int
-        The parts, those that pay most for hazards first.
+        The parts, those first that pay most for hazards by what they take to search.
     """
 
     fleet: Fleet
@@ -101,7 +107,7 @@ class BoundSearch:
         self.regroup(self.incumbent.sets)
 
     def regroup(self, sets: tuple[Members, ...]) -> None:
-        """Search these sets from now on, those whose plans cost most beyond the least first.
+        """Search these sets from now on, those first that promise most for what they take.
 
         Large sets are parted. What was proven of parts of them is kept.
 
@@ -113,7 +119,7 @@ class BoundSearch:
         parts = parts_of(sets, len(self.fleet.scenario.obstacles))
         self.proven = {members: proven_within(members, self.proven) for members in parts}
         self._totals = PartTotals(self.proven)
-        self.order = tuple(sorted(parts, key=self._paid_for_hazards, reverse=True))
+        self.order = most_promising_first(parts, self._paid_for_hazards)
 
     def continue_from(self, incumbent: FleetIncumbent, price: float) -> None:
         """Hold the bound against another, cheaper plan from now on.
@@ -205,13 +211,10 @@ class BoundSearch:
             # Of few vehicles, or while they are first searched alone, no rate is steady.
             is_steady = self.fleet.is_large and effort > 0
             self.is_left = is_steady and is_slow(gain, self.nodes - nodes, left, self._missing())
+            if self.fleet.is_large and relative_gap(self.incumbent.cost, self.best) <= TUNING.near:
+                self.most_nodes = min(self.most_nodes, (1.0 + TUNING.last_share) * self.nodes)
 
-    def advance(
-        self,
-        nodes: int,
-        effort: int,
-        parts: Sequence[Members],
-    ) -> bool:
+    def advance(self, nodes: int, effort: int, parts: Sequence[Members]) -> bool:
         """Search parts on at the present price; tell whether more effort promises anything.
 
         Parameters
@@ -223,9 +226,10 @@ class BoundSearch:
         parts : sequence of tuple of int
             The parts, in order.
         """
-        is_new, worth = False, TUNING.worth * self.gap * self.incumbent.cost
-        asked = self.price, worth, self.most_nodes - self.nodes
-        order = PartOrder.of_effort(effort, nodes, *asked)
+        is_new, paid = False, map(self._paid_for_hazards, self.order)
+        worth = least_worth(paid, self.gap * self.incumbent.cost)
+        spare = self.most_nodes - self.nodes
+        order = PartOrder.of_effort(effort, nodes, self.price, worth, spare)
         with closing(self._answers(order, parts)) as answers:
             for members, answer in answers:
                 is_new |= answer.is_new
@@ -256,8 +260,7 @@ class BoundSearch:
         """Yield what came of every part that promises anything, in order; who asks keeps it."""
         done = {m for m, whole in self._found() if order.is_done(whole)}
         chosen = [m for m in parts if self._paid_for_hazards(m) > order.worth and m not in done]
-        # Of what is known now, so that workers and this process are asked the same.
-        missing = self._missing()
+        missing = self._missing()  # Now, so that workers and this process are asked the same.
         orders = [replace(order, enough=self._bound_of(m) + missing) for m in chosen]
         limits, executor = self.fleet.limits, self.fleet.executor
         if executor is None or len(chosen) < 2:
