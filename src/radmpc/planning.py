@@ -22,7 +22,7 @@ from radmpc.planners.outcome.record import Certifying, plan_of
 from radmpc.planners.outcome.trajectories import trajectories_of
 from radmpc.planners.planner import Improved, nobody
 from radmpc.planners.presets import DEFAULT, PRESETS, called, parse_planner
-from radmpc.planners.verdict import Verdict
+from radmpc.planners.verdict import RoughJudge, Verdict
 from radmpc.planners.wording import limit_clause
 from radmpc.result import Result
 from radmpc.solvers.solution import Limits, never
@@ -107,14 +107,14 @@ def plan(
         limits,
         executor,
         progress or _silent,
-        referee.verdict,
+        referee.judge,
         found or _silent_best,
         hand_on,
     )
     if scenario.goals:
         from radmpc.planners.assignment import assigned  # noqa: PLC0415 - few share goals
 
-        scenario, draft = assigned(scenario, record, run, lambda s: Certifying(s, record).verdict)
+        scenario, draft = assigned(scenario, record, run, lambda s: Certifying(s, record).judge)
         referee = Certifying(scenario, record)
     else:
         draft = record.decomposition.plan(scenario, record, run)
@@ -155,7 +155,9 @@ def unjudged_plan(
         # A plan that comes too late is none.
         return Verdict(np.inf, ()) if limits.reached else referee.verdict(controls)
 
-    run = Run(rng, limits, None, _silent, judge, _silent_best, nobody)
+    is_quick = isinstance(referee.judge, RoughJudge)
+    timely = RoughJudge(judge, referee.rough) if is_quick else judge
+    run = Run(rng, limits, None, _silent, timely, _silent_best, nobody)
     draft = planner.decomposition.plan(scenario, planner, run)
     trajectories = trajectories_of(scenario, draft.controls)
     return plan_of(scenario, planner, seed, draft, trajectories, None, {})

@@ -8,7 +8,7 @@ from radmpc.arrays import Indices, Matrix
 from radmpc.model.plan import LedgerRow
 from radmpc.records import dataclass
 
-__all__ = ["Judge", "Verdict"]
+__all__ = ["Judge", "RoughJudge", "Verdict"]
 
 _BESIDES = 0.1
 """Share of Δ that pairs across sets may keep together when the worst of them are merged [-]."""
@@ -81,3 +81,23 @@ class Verdict:
 
 Judge = Callable[[tuple[Matrix, ...]], Verdict]
 """The referee's verdict on every vehicle's controls, in the scenario's order."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RoughJudge:
+    """The referee where it also tells quickly what risk is at most.
+
+    Attributes
+    ----------
+    verdict : callable
+        Its verdict.
+    rough : callable
+        Returns an upper bound on the certificate that takes a fraction of the time [-].
+    """
+
+    verdict: Judge
+    rough: Callable[[tuple[Matrix, ...]], float]
+
+    def __call__(self, controls: tuple[Matrix, ...]) -> Verdict:
+        """Return the verdict on every vehicle's controls."""
+        return self.verdict(controls)

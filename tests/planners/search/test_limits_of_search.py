@@ -11,10 +11,11 @@ import pytest
 from radmpc.experiments.families import circle, paper
 from radmpc.model.plan import Status
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.phases.time_shares import TimedJudge, but_for_certificates
+from radmpc.planners.certified.phases.time_shares import but_for_certificates
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
+from radmpc.planners.certified.state.timed_judge import TimedJudge
 from radmpc.planners.certified.turned.turning import Turning
 from radmpc.planners.presets import parse_planner
 from radmpc.planners.verdict import Verdict
@@ -123,7 +124,7 @@ def test_a_judge_knows_what_its_longest_certificate_took() -> None:
         time.sleep(next(naps))
         return Verdict(0.1, ())
 
-    timed = TimedJudge(judge)
+    timed = TimedJudge(judge, 0.05)
     assert timed.seconds == 0.0
     for _ in range(3):
         assert timed(()).certified == 0.1

@@ -22,7 +22,6 @@ from radmpc.planners.certified.phases.improving import (
 )
 from radmpc.planners.certified.phases.searching import SearchResult, searched, tell
 from radmpc.planners.certified.phases.time_shares import (
-    TimedJudge,
     but_for_certificates,
     but_for_proof,
 )
@@ -33,6 +32,7 @@ from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.state.bounds import finite, reported_bound, shadow_price
 from radmpc.planners.certified.state.outdone import is_outdone
 from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.certified.state.timed_judge import TimedJudge
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
@@ -90,7 +90,7 @@ class Certified(Decomposition):
         Draft
             With a lower bound on the cost, and the shadow price of Δ, where there is a plan.
         """
-        begun, judge = time.perf_counter(), TimedJudge(run.judge)
+        begun, judge = time.perf_counter(), TimedJudge(run.judge, scenario.risk_bound)
         run = replace(run, judge=judge)
         models = condensed_models(scenario)
         ruled_out = sure_why_not(scenario, models, run.limits)

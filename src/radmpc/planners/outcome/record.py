@@ -16,8 +16,13 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.draft import Draft
 from radmpc.planners.outcome.trajectories import cost_of, trajectories_of
 from radmpc.planners.planner import Planner
-from radmpc.planners.verdict import Verdict
-from radmpc.referee.bound.certificate import Certificate, judged, ledger_under
+from radmpc.planners.verdict import Judge, RoughJudge, Verdict
+from radmpc.referee.bound.certificate import (
+    Certificate,
+    judged,
+    ledger_under,
+    rough_risk_under,
+)
 from radmpc.referee.propagation import FleetNoise
 from radmpc.version import __version__
 
@@ -67,6 +72,16 @@ class Certifying:
     def _noise(self) -> FleetNoise:
         """What the referee needs to know of the fleet, whatever the controls."""
         return FleetNoise.of(self._of[0])
+
+    @property
+    def judge(self) -> Judge:
+        """The referee as planners ask it: along intervals it tells roughly, too."""
+        is_quick = self._of[0].avoidance == "intervals"
+        return RoughJudge(self.verdict, self.rough) if is_quick else self.verdict
+
+    def rough(self, controls: tuple[Matrix, ...]) -> float:
+        """Return what the plan risks at most, as is quickly found [-]."""
+        return rough_risk_under(self._noise, controls)
 
     def verdict(self, controls: tuple[Matrix, ...]) -> Verdict:
         """Return what planners need of it: what the plan risks, and where."""

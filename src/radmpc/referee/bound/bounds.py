@@ -43,7 +43,11 @@ _BLOCK = 1_000_000
 
 
 def step_risks(
-    batches: Sequence[Encounters], motion: FleetMotion, *, intervals: bool
+    batches: Sequence[Encounters],
+    motion: FleetMotion,
+    *,
+    intervals: bool,
+    is_rough: bool = False,
 ) -> list[Matrix]:
     """Return an upper bound on the probability of each encounter's collision, step by step.
 
@@ -55,18 +59,24 @@ def step_risks(
         What they were gathered from.
     intervals : bool
         Whether the path between the steps counts.
+    is_rough : bool
+        Whether intervals are charged one by one, which is quick; steps always are.
 
     Returns
     -------
     list of (B, T+1) array
         Sums over steps bound the probability that the encounter collides at all.
     """
-    every = _interval_risks(batches, motion) if intervals else instant_risks(batches)
+    every = (
+        _interval_risks(batches, motion, is_rough=is_rough) if intervals else instant_risks(batches)
+    )
     # What surely happens once need not be charged for more.
     return [found / np.maximum(found.sum(axis=1, keepdims=True), 1.0) for found in every]
 
 
-def _interval_risks(batches: Sequence[Encounters], motion: FleetMotion) -> list[Matrix]:
+def _interval_risks(
+    batches: Sequence[Encounters], motion: FleetMotion, *, is_rough: bool
+) -> list[Matrix]:
     """Return the risks along intervals of all batches.
 
     Few encounters take as long as one: those with what stands still, and those with what moves,
@@ -82,7 +92,8 @@ def _interval_risks(batches: Sequence[Encounters], motion: FleetMotion) -> list[
     for numbers in alike.values():
         some = [batches[number] for number in numbers]
         ends = np.cumsum([len(one.first) for one in some])[:-1]
-        found |= zip(numbers, np.split(interval_risks(together(some), motion), ends), strict=True)
+        risks = interval_risks(together(some), motion, is_rough=is_rough)
+        found |= zip(numbers, np.split(risks, ends), strict=True)
     return [found[number] for number in range(len(batches))]
 
 

@@ -23,7 +23,7 @@ from radmpc.referee.propagation import FleetNoise
 from radmpc.referee.saturation import saturation_bound
 from radmpc.referee.tails import cutoff_of
 
-__all__ = ["Certificate", "certify", "judged", "ledger_under"]
+__all__ = ["Certificate", "certify", "judged", "ledger_under", "rough_risk_under"]
 
 _STATED_TOL = 1e-6
 """Relative difference [-] by which a stated certificate may be below the recomputed one: rounding
@@ -160,6 +160,23 @@ def ledger_under(
     return total_risk(ledger), ledger
 
 
+def rough_risk_under(noise: FleetNoise, controls: Sequence[Matrix]) -> float:
+    """Return an upper bound on the probability of any collision that is quickly found [-].
+
+    Along intervals that is a tenth to a sixth of the work of `certify`, and three to eight times
+    as high: none of them shares a half-space with the next. At steps it is the same.
+
+    Parameters
+    ----------
+    noise, controls
+        As in `ledger_under`.
+    """
+    motion = noise.under(controls)
+    if motion.problems:
+        return 1.0
+    return total_risk(_ledger(noise.scenario, motion, is_rough=True))
+
+
 def judged(
     plan: Plan, noise: FleetNoise, ledger: tuple[LedgerRow, ...] | None = None
 ) -> Certificate:
@@ -194,7 +211,9 @@ def judged(
     return Certificate(scenario.risk_bound, certified, ledger, tuple(problems), total)
 
 
-def _ledger(scenario: Scenario, motion: FleetMotion) -> tuple[LedgerRow, ...]:
+def _ledger(
+    scenario: Scenario, motion: FleetMotion, *, is_rough: bool = False
+) -> tuple[LedgerRow, ...]:
     """Rate everything that can go wrong."""
     intervals = scenario.avoidance == "intervals"
     everyone = np.arange(scenario.num_vehicles)
@@ -205,7 +224,7 @@ def _ledger(scenario: Scenario, motion: FleetMotion) -> tuple[LedgerRow, ...]:
     )
     half_spaces = 3 * scenario.horizon if intervals else scenario.horizon + 1
     batches = [batch for _, found in gathered for batch in found.batches]
-    risks = iter(step_risks(batches, motion, intervals=intervals))
+    risks = iter(step_risks(batches, motion, intervals=intervals, is_rough=is_rough))
     for cause, found in gathered:
         for batch in found.batches:
             account.charge(cause, batch.first, batch.other, next(risks))

@@ -72,7 +72,9 @@ Spans = Callable[[Matrix], Iterator[Span]]
 """Chooses them by the risk of each interval alone, (B, K)."""
 
 
-def interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
+def interval_risks(
+    encounters: Encounters, motion: FleetMotion, *, is_rough: bool = False
+) -> Matrix:
     """Return an upper bound on the probability of each encounter's collision, by step, (B, T+1).
 
     Parameters
@@ -81,7 +83,11 @@ def interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
         B of them.
     motion : FleetMotion
         What they were gathered from.
+    is_rough : bool
+        Whether each interval is charged by itself, in a fraction of the time.
     """
+    if is_rough:
+        return _each_alone(encounters)[-1]
     if has_spans(encounters, motion):
         return _charged(encounters, motion, spans_that_tell)
     return np.concatenate([_charged(block, motion, _whole) for block in blocks(encounters)])
@@ -104,13 +110,8 @@ def has_spans(encounters: Encounters, motion: FleetMotion) -> bool:
 
 def _charged(encounters: Encounters, motion: FleetMotion, spans: Spans) -> Vector:
     """Return what encounters cost per step, those intervals looked at that tell, (B, T+1)."""
-    if len(encounters.means) < _MANY:
-        own, near, far = alone_risks(encounters)
-        is_apart = np.zeros(far.shape, dtype=bool)
-    else:
-        own, near, far, is_apart = _told_apart(encounters)
+    own, near, far, is_apart, charged = _each_alone(encounters)
     alone = np.ones(far.shape, dtype=bool)
-    charged = chain_charges(near, far, alone)
     sums = charged.sum(axis=1)
     # Steps have no parts, and what is far away is not looked at in parts: nor is when it is.
     worth = np.flatnonzero((sums > WORTH) & (sums > TELLING * encounters.summed(sums)))
@@ -134,6 +135,17 @@ def _charged(encounters: Encounters, motion: FleetMotion, spans: Spans) -> Vecto
             at = part.stop
         charged[chosen] = found
     return charged
+
+
+def _each_alone(encounters: Encounters) -> tuple[Tensor, Tensor, Matrix, Flags, Matrix]:
+    """Return what `_told_apart` does, and what encounters cost by step without any chain."""
+    if len(encounters.means) < _MANY:
+        own, near, far = alone_risks(encounters)
+        is_apart = np.zeros(far.shape, dtype=bool)
+    else:
+        own, near, far, is_apart = _told_apart(encounters)
+    alone = np.ones(far.shape, dtype=bool)
+    return own, near, far, is_apart, chain_charges(near, far, alone)
 
 
 def _told_apart(encounters: Encounters) -> tuple[Tensor, Tensor, Matrix, Flags]:

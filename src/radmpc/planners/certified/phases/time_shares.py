@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import time
-
-from radmpc.arrays import Matrix
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.verdict import Judge, Verdict
 from radmpc.solvers.solution import Limits
 
 __all__ = [
-    "TimedJudge",
     "but_for_certificates",
     "but_for_faces",
     "but_for_proof",
@@ -24,32 +19,6 @@ and that of the plan that is returned."""
 
 _MOST_KEPT = 0.75
 """Share of the time left that is kept for them at most [-]."""
-
-
-class TimedJudge:
-    """The referee, and how long it took.
-
-    Parameters
-    ----------
-    judge : callable
-        The referee.
-
-    Attributes
-    ----------
-    seconds : float
-        What a certificate took at most [s]: 5 ms of eight vehicles, a second of 200 drones.
-    """
-
-    def __init__(self, judge: Judge) -> None:
-        self._judge = judge
-        self.seconds = 0.0
-
-    def __call__(self, controls: tuple[Matrix, ...]) -> Verdict:
-        """Return the referee's verdict."""
-        begun = time.perf_counter()
-        verdict = self._judge(controls)
-        self.seconds = max(self.seconds, time.perf_counter() - begun)
-        return verdict
 
 
 def but_for_certificates(limits: Limits, seconds: float) -> Limits:

@@ -164,6 +164,9 @@ class Tuning:
         all at most [-].
     same_side : float
         Cosine between the half-spaces of two plans above which they pass on the same side [-].
+    lost : float
+        Multiple of Δ above which what a certificate is about says that it is above [-]: it is off
+        by a tenth, seldom by a third.
     most_ratio : float
         Certificates that half-spaces' risks may sum to, to tell a price by [-]; mostly 1 to 10.
     dear : float
@@ -248,6 +251,7 @@ class Tuning:
     compared: float = 6.5
     idle: float = 0.01
     same_side: float = 0.3
+    lost: float = 1.5
     most_ratio: float = 1e3
     dear: float = 10.0
     time_share: float = 0.1

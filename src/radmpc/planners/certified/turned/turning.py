@@ -13,6 +13,7 @@ from radmpc.arrays import Matrix
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
+from radmpc.planners.certified.state.timed_judge import estimate
 from radmpc.planners.certified.turned.large.groups import groups_of
 from radmpc.planners.certified.turned.large.side_by_side import share_risk_side_by_side
 from radmpc.planners.certified.turned.linear.warm_programs import WarmPrograms
@@ -67,6 +68,8 @@ class Turning:
     is_outside : bool
         Whether it begins with paths beyond the limits of programs: plans are only those that keep
         them.
+    latest : float
+        Certificate of the latest paths, or about that [-].
     """
 
     task: Task
@@ -83,6 +86,7 @@ class Turning:
     programs: WarmPrograms | None = None
     is_above: bool = False
     is_outside: bool = False
+    latest: float = 0.0
 
     def __post_init__(self) -> None:
         """Choose who shares a linear program."""
@@ -204,7 +208,8 @@ class Turning:
         paths, controls = self.successive.paths, tuple(self.successive.paths.controls)
         if self.is_outside and not self._keep_limits(controls):
             return float("inf")
-        certified, cost = self.task.judge(controls).certified, paths.cost()
+        cost = paths.cost()
+        certified = self.latest = self._certificate(controls, cost)
         if certified <= self.task.risk_bound and cost < self.incumbent.cost:
             ratio = min(self.risk / max(certified, _NOTHING), TUNING.most_ratio)
             # What most vehicles would still pay for risk is what they paid before, and what paths
@@ -223,6 +228,15 @@ class Turning:
             )
             self.task.found(self.incumbent)
         return certified
+
+    def _certificate(self, controls: tuple[Matrix, ...], cost: float) -> float:
+        """Return the certificate of paths, or about that where they cannot become the plan."""
+        lost, is_dear = TUNING.lost * self.task.risk_bound, cost >= self.incumbent.cost
+        if is_dear or self.latest > lost:
+            about = estimate(self.task.judge, controls)
+            if about is not None and (is_dear or about > lost):
+                return about
+        return self.task.judge(controls).certified
 
     def _keep_limits(self, controls: Sequence[Matrix]) -> bool:
         """Tell whether controls are those of programs: nobody was held where the paths began."""
