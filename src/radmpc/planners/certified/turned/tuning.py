@@ -165,8 +165,8 @@ class Tuning:
     same_side : float
         Cosine between the half-spaces of two plans above which they pass on the same side [-].
     lost : float
-        Multiple of Δ above which what a certificate is about says that it is above [-]: it is off
-        by a tenth, seldom by a third.
+        Multiple of Δ from which on an estimated certificate is taken for one above Δ [-]: estimates
+        are off by a tenth, seldom by a third.
     most_ratio : float
         Certificates that half-spaces' risks may sum to, to tell a price by [-]; mostly 1 to 10.
     dear : float
