@@ -59,9 +59,12 @@ def test_many_parts_that_promise_little_each_are_searched_but_for_a_share_of_the
     assert sum(left_out) + min(set(paid) - set(left_out)) > TUNING.left_out * at_stake
 
 
-def test_parts_that_pay_nothing_are_never_searched() -> None:
-    assert least_worth([-1e-12, 0.0, 0.0], 10.0) >= 0.0
-    assert least_worth([0.0] * 9 + [1e-3] * 10_000, 10.0) >= 0.0
+def test_parts_that_promise_the_same_are_all_searched_but_not_those_that_pay_nothing() -> None:
+    each = 0.1 * TUNING.worth * 10.0
+    allowed = TUNING.left_out * 10.0 / each
+    few, many = int(0.9 * allowed), int(1.1 * allowed)
+    assert least_worth([-1e-12, 0.0] + [each] * few, 10.0) >= each
+    assert 0.0 <= least_worth([-1e-12, 0.0] + [each] * many, 10.0) < each
 
 
 @pytest.mark.slow

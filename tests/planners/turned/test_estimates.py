@@ -104,19 +104,28 @@ def test_who_only_judges_estimates_nothing() -> None:
 
 
 def test_no_plan_is_kept_by_an_estimate() -> None:
-    """Estimates say that nothing risks anything, the referee that all do."""
+    """Estimates say that nothing risks anything, the referee that all risk twice Δ."""
     scenario = along_intervals(circle(3))
     fleet = Fleet.of(scenario, 1e-3, Limits())
-    certificates = iter([0.04])
-    judge = TimedJudge(
-        RoughJudge(lambda controls: Verdict(next(certificates, 0.06), ()), lambda controls: 1e-9),
-        scenario.risk_bound,
-    )
+    asked: list[str] = []
+
+    def verdict(controls: Controls) -> Verdict:
+        asked.append("verdict")
+        return Verdict(2.0 * scenario.risk_bound, ())
+
+    def rough(controls: Controls) -> float:
+        asked.append("rough")
+        return 1e-9
+
+    judge = TimedJudge(RoughJudge(verdict, rough), scenario.risk_bound)
     judge(())
     task = Task(fleet.programs.hazards, judge, Limits(), 1e-3, scenario.risk_bound)
     turning = Turning(task, FleetIncumbent(), ((0, 1, 2),), 1.0)
     assert turning.successive.begin_alone()
     assert not turning.run(4).controls
+    # Whoever risked far too much is estimated first, and judged where that speaks for it.
+    assert "rough" in asked
+    assert asked.count("verdict") > 2
 
 
 def test_paths_dearer_than_the_plan_are_not_judged() -> None:

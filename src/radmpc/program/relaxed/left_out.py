@@ -114,7 +114,7 @@ def near_each_other(
     squares = ((paths[:, None] - paths[None]) ** 2).sum(axis=3)
     reach = np.add.outer(radii, radii) + _NEAR * np.add.outer(deviations, deviations)
     if intervals:
-        # Two that are nowhere else than at the middle of a step nearest are that much nearer.
+        # In the middle of a step two may be nearer than at its ends, by half of what each moves.
         half = 0.5 * np.linalg.norm(np.diff(paths, axis=1), axis=2).max(axis=1)
         reach = reach + np.add.outer(half, half)
     return np.asarray(squares.min(axis=2) <= reach * reach)

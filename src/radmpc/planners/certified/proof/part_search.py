@@ -159,10 +159,19 @@ class _PartSearch:
         if self.order.is_whole or len(blocks) in {1, len(self.part.members)}:
             return False
         if self.near is None:
-            self.near = _near_in_plan(self.part)
+            self.near = self._near_in_plan()
         near = self.near[np.ix_(blocks, blocks)]
         edges = ((int(i), int(j)) for i, j in zip(*np.nonzero(near), strict=True))
         return len(components(len(blocks), edges)) > 1
+
+    def _near_in_plan(self) -> NDArray[np.bool_]:
+        """Tell which vehicles of the part come near each other in the plan at hand, (n, n)."""
+        models = self.part.models
+        paths = self._paths(tuple(range(len(models))))
+        variances = [np.trace(m.position_covariances, axis1=1, axis2=2).max() for m in models]
+        radii = np.array([model.vehicle.radius for model in models])
+        intervals = self.part.scenario.avoidance == "intervals"
+        return near_each_other(paths, radii, np.sqrt(variances), intervals=intervals)
 
     def _is_too_large(self, blocks: Members) -> bool:
         """Whether sets of fewer vehicles of a set are searched first, and all together later."""
@@ -281,15 +290,3 @@ class _PartSearch:
         dearest = self.order.price * TUNING.most_step ** (TUNING.prices - 1)
         paid = self.part.paid_for_hazards(blocks) + base
         return paid + dearest * self.part.scenario.risk_bound
-
-
-def _near_in_plan(part: Part) -> NDArray[np.bool_]:
-    """Tell which vehicles of a part come near each other in the plan at hand."""
-    every = zip(part.models, part.controls, strict=True)
-    paths = np.stack([model.path(controls) for model, controls in every])
-    variances = [
-        np.trace(model.position_covariances, axis1=1, axis2=2).max() for model in part.models
-    ]
-    radii = np.array([model.vehicle.radius for model in part.models])
-    intervals = part.scenario.avoidance == "intervals"
-    return near_each_other(paths, radii, np.sqrt(variances), intervals=intervals)

@@ -46,7 +46,7 @@ def least_worth(paid: Iterable[float], at_stake: float) -> float:
     for each in sorted(paid):
         left_out += max(each, 0.0)
         if each > most or left_out > TUNING.left_out * at_stake:
-            return min(most, max(0.0, math.nextafter(each, 0.0)))
+            return min(most, math.nextafter(each, 0.0))
     return most
 
 

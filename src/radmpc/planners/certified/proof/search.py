@@ -81,7 +81,7 @@ class BoundSearch:
     proven : dict of tuple of int to mapping of tuple of int to RelaxedSet
         What parts have built.
     order : tuple of tuple of int
-        The parts, those first that pay most for hazards by what they take to search.
+        The parts, by what they pay for hazards over the time that a search takes.
     """
 
     fleet: Fleet
@@ -107,7 +107,7 @@ class BoundSearch:
         self.regroup(self.incumbent.sets)
 
     def regroup(self, sets: tuple[Members, ...]) -> None:
-        """Search these sets from now on, those first that promise most for what they take.
+        """Search these sets from now on, those that promise most for their time first.
 
         Large sets are parted. What was proven of parts of them is kept.
 
