@@ -239,7 +239,7 @@ def contacts_of(
             places.append(place)
         strays = {i: (1.0 - s) * then[i] + s * now[i] for i in now}
         _look(scenario, (step, s), places, strays, found)
-    return tuple(Contact(step, *key) for key in found)  # type: ignore[arg-type]
+    return tuple(Contact(step, *key) for key in found)  # type: ignore[arg-type] # as its key was made
 
 
 def _look(
