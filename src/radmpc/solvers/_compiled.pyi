@@ -164,3 +164,11 @@ def lattice_move(
     into: Single,
     /,
 ) -> None: ...
+def passing_costs(
+    places: Matrix,
+    path: Matrix,
+    moves: int,
+    terms: tuple[float, float, float],
+    is_along: bool,
+    /,
+) -> tuple[bytes, bytes, bytes]: ...

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from radmpc.experiments.families import circle
+from radmpc.planners.certified.turned.narrow import closeness as module
 from radmpc.planners.certified.turned.narrow.closeness import closeness, passing_by
 from radmpc.planners.certified.turned.narrow.track import Track
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
+from radmpc.solvers.compiled_code import is_compiled
 
 CLEARANCE = 2.5
 
@@ -48,6 +50,34 @@ def test_every_move_costs_what_it_comes_too_near(avoidance: str, seed: int) -> N
                     assert np.isinf(told)
                 elif least > touching + spread + 1e-3:
                     assert told == pytest.approx(wanted, abs=0.02)
+
+
+@pytest.mark.skipif(not is_compiled(), reason="nothing to compare with")
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+@pytest.mark.parametrize("seed", range(10))
+def test_compiled_code_tells_the_same_costs(
+    avoidance: str, seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(seed)
+    scenario = replace(circle(4), avoidance=avoidance)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    count, levels = 150, 5
+    # With corners, at which places are nearer to each other.
+    corners = np.cumsum(rng.uniform(-4.0, 4.0, (6, 2)), axis=0)
+    at = np.linspace(0.0, 5.0, count)
+    places = np.stack([np.interp(at, np.arange(6), axis) for axis in corners.T], axis=1)
+    nothing = np.zeros((levels, levels, count))
+    each = Track(0, places, nothing.astype(int), nothing, 0, np.zeros(levels), 7.0)
+    path = places[rng.integers(count)] + np.cumsum(rng.normal(0.0, 0.6, (40, 2)), axis=0)
+    told = []
+    for is_there in (True, False):
+        monkeypatch.setattr(module, "is_compiled", lambda is_there=is_there: is_there)
+        steps, near, lack = closeness(hazards, each, 2, path, CLEARANCE)
+        costs = np.zeros((len(path) - 1, count, each.num_displacements))
+        costs[steps, near] = lack
+        told.append(costs)
+    assert told[0].any()
+    np.testing.assert_allclose(told[0], told[1], rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(20))

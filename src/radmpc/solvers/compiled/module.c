@@ -9,7 +9,7 @@ static int add_type(PyObject *module, const char *name, PyObject *type) {
 }
 
 static int begin_module(PyObject *module) {
-    if (PyModule_AddFunctions(module, lattice_functions)) return -1;
+    if (PyModule_AddFunctions(module, lattice_functions) || PyModule_AddFunctions(module, passing_functions)) return -1;
     return add_type(module, "Program", program_type()) || add_type(module, "Ratings", ratings_type()) ||
                    add_type(module, "RiskRows", risk_rows_type()) || add_type(module, "Nodes", nodes_type())
                ? -1

@@ -5,6 +5,7 @@
 #include "arrays.h"
 #include "lattice.h"
 #include "lp.h"
+#include "passing.h"
 #include "rating.h"
 #include "risk_rows.h"
 
@@ -22,6 +23,6 @@ RiskRows *risk_rows_in(PyObject *object);
 PyObject *basis_of(const Lp *lp);
 int basis_begin(Lp *lp, PyObject *bytes);
 
-extern PyMethodDef rating_functions[], lattice_functions[];
+extern PyMethodDef rating_functions[], lattice_functions[], passing_functions[];
 
 #endif

@@ -10,6 +10,10 @@ import numpy.typing as npt
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.narrow.track import Closeness, Track
 from radmpc.program.hazards import Hazards
+from radmpc.solvers.compiled_code import is_compiled
+
+if is_compiled():
+    from radmpc.solvers import _compiled
 
 __all__ = ["closeness", "passing_by"]
 
@@ -36,17 +40,30 @@ def closeness(
     variance = hazards.variances[i].max() + hazards.variances[other].max()
     spread = float(np.sqrt(variance / hazards.dimension))
     touching = float(hazards.radii[i] + hazards.radii[other])
-    apart = touching + clearance * spread
-    longest = most * float(np.linalg.norm(places[1] - places[0]))
+    terms = touching + clearance * spread, touching + spread, each.price
+    if not is_compiled():
+        return _measured(places, path, most, terms, is_along=hazards.intervals)
+    path = np.ascontiguousarray(path)
+    found = _compiled.passing_costs(places, path, most, terms, hazards.intervals)
+    step, place = (np.frombuffer(numbers, dtype=np.int64) for numbers in found[:2])
+    return step, place, np.frombuffer(found[2]).reshape(-1, most)
+
+
+def _measured(
+    places: Matrix, path: Matrix, most: int, terms: tuple[float, float, float], *, is_along: bool
+) -> Closeness:
+    """Return the same without compiled code."""
+    apart, touching, price = terms
+    longest = most * _widest(places)
     moved = np.linalg.norm(np.diff(path, axis=0), axis=1)
     near, step = _near(places, path, apart + longest + moved)
     ends = np.minimum(near[:, None] + np.arange(most), len(places) - 1)
     begin = places[near] - path[step]
     # By axes: arrays of pairs, and sums over two numbers each, take three times as long.
     end = [places[:, axis][ends] - path[step + 1, axis][:, None] for axis in (0, 1)]
-    distance = np.hypot(*(_closest(begin, end) if hazards.intervals else end))
-    lack = each.price * np.maximum(apart - distance, 0.0)
-    lack[distance < touching + spread] = np.inf
+    distance = np.hypot(*(_closest(begin, end) if is_along else end))
+    lack = price * np.maximum(apart - distance, 0.0)
+    lack[distance < touching] = np.inf
     # Four fifths of what may be near is not, whatever the move, and all of it is kept for long.
     costs_any = lack.any(axis=1)
     return step[costs_any], near[costs_any], lack[costs_any]
@@ -73,7 +90,7 @@ def passing_by(
     places = each.places
     spread = float(np.sqrt(2.0 * hazards.variances.max() / hazards.dimension))
     moved = float(np.abs(np.diff(paths, axis=1)).max(initial=0.0)) * np.sqrt(2.0)
-    longest = each.num_displacements * float(np.linalg.norm(places[1] - places[0]))
+    longest = each.num_displacements * _widest(places)
     reach = 2.0 * float(hazards.radii.max()) + clearance * spread + longest + moved
     # Two cells around all places, so that what is clipped is outside.
     origin = places.min(axis=0) - 2.0 * reach
@@ -85,6 +102,11 @@ def passing_by(
     cells = ((paths - origin) / reach).astype(np.int64)
     x, y = (np.clip(cells[..., axis], 0, is_near.shape[axis] - 1) for axis in (0, 1))
     return np.asarray(is_near[x, y].any(axis=1))
+
+
+def _widest(places: Matrix) -> float:
+    """Return what two places in a row are apart at most [m]: less where the route turns there."""
+    return float(np.linalg.norm(np.diff(places, axis=0), axis=1).max(initial=0.0))
 
 
 def _near(places: Matrix, path: Matrix, reaches: Vector) -> tuple[Indices, Indices]:

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Sequence
+from typing import Self
 
 import numpy as np
 
 from radmpc.planners.certified.turned.narrow.swapping import Swapping
 from radmpc.records import dataclass, field
 
-__all__ = ["Configuration", "edges_to", "joint_search"]
+__all__ = ["Configuration", "Neighbors", "Ways", "joint_search"]
 
 _UNREACHED = 1 << 30
 """Distance of nodes from which a goal is out of reach [edges]."""
@@ -26,6 +27,35 @@ Configuration = tuple[int, ...]
 
 Neighbors = Sequence[Sequence[int]]
 """Nodes next to each node."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ways:
+    """Where vehicles may go, and how far it is from everywhere.
+
+    Attributes
+    ----------
+    neighbors : sequence of sequence of int
+        Nodes next to each node.
+    distances : sequence of sequence of int
+        Edges from each node to the goal of each vehicle [-].
+    """
+
+    neighbors: Neighbors
+    distances: Sequence[Sequence[int]]
+
+    @classmethod
+    def to(cls, goals: Configuration, neighbors: Neighbors) -> Self:
+        """Return the ways to goals.
+
+        Parameters
+        ----------
+        goals : tuple of int
+            Where vehicles want to be.
+        neighbors : sequence of sequence of int
+            Nodes next to each node.
+        """
+        return cls(neighbors, [_edges_to(neighbors, goal) for goal in goals])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +80,7 @@ class _Visit:
 
 
 def joint_search(
-    neighbors: Neighbors,
+    ways: Ways,
     starts: Configuration,
     goals: Configuration,
     max_visits: int,
@@ -61,8 +91,8 @@ def joint_search(
 
     Parameters
     ----------
-    neighbors : sequence of sequence of int
-        Nodes next to each node.
+    ways : Ways
+        To the goals.
     starts, goals : tuple of int
         Where vehicles are and want to be; no node twice in either.
     max_visits : int
@@ -77,10 +107,10 @@ def joint_search(
     list of tuple of int
         One per tick, the starts first; empty where none was found.
     """
-    distances = [edges_to(neighbors, goal) for goal in goals]
+    neighbors, distances = ways.neighbors, ways.distances
     if any(d[start] >= _UNREACHED for d, start in zip(distances, starts, strict=True)):
         return []
-    proposals = _Proposals(neighbors, distances, rng)
+    proposals = _Proposals(ways, rng)
     first = _Visit(
         starts,
         None,
@@ -133,16 +163,8 @@ def _ordered(priorities: Sequence[float]) -> tuple[int, ...]:
     return tuple(sorted(range(len(priorities)), key=lambda i: -priorities[i]))
 
 
-def edges_to(neighbors: Neighbors, goal: int) -> list[int]:
-    """Return how many edges each node is from a goal.
-
-    Parameters
-    ----------
-    neighbors : sequence of sequence of int
-        Nodes next to each node.
-    goal : int
-        The node.
-    """
+def _edges_to(neighbors: Neighbors, goal: int) -> list[int]:
+    """Return how many edges each node is from a goal."""
     found = [_UNREACHED] * len(neighbors)
     found[goal] = 0
     queue = deque([goal])
@@ -167,11 +189,9 @@ def _traced(visit: _Visit | None) -> list[Configuration]:
 class _Proposals:
     """Next configurations by priority inheritance with backtracking."""
 
-    def __init__(
-        self, neighbors: Neighbors, distances: Sequence[Sequence[int]], rng: np.random.Generator
-    ) -> None:
-        self._neighbors, self._distances, self._rng = neighbors, distances, rng
-        self._swapping = Swapping(neighbors, distances)
+    def __init__(self, ways: Ways, rng: np.random.Generator) -> None:
+        self._neighbors, self._distances, self._rng = ways.neighbors, ways.distances, rng
+        self._swapping = Swapping(ways.neighbors, ways.distances)
         self._here: Configuration = ()
         self._at: dict[int, int] = {}
         self._next: list[int] = []

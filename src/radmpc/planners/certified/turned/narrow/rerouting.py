@@ -14,11 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from radmpc.planners.certified.turned.narrow.joint_search import (
-    Configuration,
-    Neighbors,
-    edges_to,
-)
+from radmpc.planners.certified.turned.narrow.joint_search import Configuration, Ways
 
 __all__ = ["rerouted"]
 
@@ -43,7 +39,7 @@ Route = list[int]
 
 
 def rerouted(
-    neighbors: Neighbors,
+    ways: Ways,
     configurations: Sequence[Configuration],
     tries: int,
     rng: np.random.Generator,
@@ -53,8 +49,8 @@ def rerouted(
 
     Parameters
     ----------
-    neighbors : sequence of sequence of int
-        Nodes next to each node.
+    ways : Ways
+        To the goals.
     configurations : sequence of tuple of int
         One per tick: no two vehicles at a node, or across an edge; the goals last.
     tries : int
@@ -69,7 +65,7 @@ def rerouted(
     list of tuple of int
         One per tick.
     """
-    routes = _Routes(neighbors, configurations)
+    routes = _Routes(ways, configurations)
     batch, before = _BATCH * len(configurations[0]), float("inf")
     for number in range(tries):
         if number % batch == 0:
@@ -85,14 +81,14 @@ def rerouted(
 class _Routes:
     """The routes of all vehicles, and who is where at each tick."""
 
-    def __init__(self, neighbors: Neighbors, configurations: Sequence[Configuration]) -> None:
-        self._neighbors, self._starts = neighbors, configurations[0]
-        self._goals = configurations[-1]
-        self._next = [(*others, node) for node, others in enumerate(neighbors)]
-        self._distances = [edges_to(neighbors, goal) for goal in self._goals]
+    def __init__(self, ways: Ways, configurations: Sequence[Configuration]) -> None:
+        self._neighbors, self._distances = ways.neighbors, ways.distances
+        self._starts, self._goals = configurations[0], configurations[-1]
+        self._next = [(*others, node) for node, others in enumerate(ways.neighbors)]
         self._routes: list[Route] = [list(route) for route in zip(*configurations, strict=True)]
+        self._moves = [_moves(route) for route in self._routes]
         self._arrivals = [self._arrival(i, route) for i, route in enumerate(self._routes)]
-        self._at = [[_NOBODY] * len(neighbors) for _ in configurations]
+        self._at = [[_NOBODY] * len(ways.neighbors) for _ in configurations]
         for here, nodes in zip(self._at, configurations, strict=True):
             for i, node in enumerate(nodes):
                 here[node] = i
@@ -143,8 +139,7 @@ class _Routes:
 
     def _worth(self) -> tuple[int, int, int]:
         """Return the last arrival, what all are late, and how often they move; less is better."""
-        moves = sum(here != there for route in self._routes for here, there in pairwise(route))
-        return max(self._arrivals), sum(self._arrivals), moves
+        return max(self._arrivals), sum(self._arrivals), sum(self._moves)
 
     def _delays(self) -> list[int]:
         """Return by how many ticks each comes later than alone [-]."""
@@ -170,7 +165,7 @@ class _Routes:
 
     def _take(self, i: int, route: Route, arrival: int) -> None:
         """Give a vehicle a route."""
-        self._routes[i], self._arrivals[i] = route, arrival
+        self._routes[i], self._arrivals[i], self._moves[i] = route, arrival, _moves(route)
         for here, node in zip(self._at, route, strict=True):
             here[node] = i
 
@@ -181,7 +176,11 @@ class _Routes:
                 here[node] = _NOBODY
 
     def _route(self, i: int) -> Route | None:
-        """Return the route on which a vehicle arrives first around all others, to stay there."""
+        """Return the route on which a vehicle arrives first around all others, to stay there.
+
+        Of those the one of fewest moves. Both are bounded by the distance that is left, so that of
+        all the shortest routes over an open lattice few are looked at.
+        """
         goal, distance, at = self._goals[i], self._distances[i], self._at
         last = len(at) - 1
         # Others may still have to pass through the goal.
@@ -190,10 +189,10 @@ class _Routes:
             free_from -= 1
         start, size = self._starts[i], len(self._neighbors)
         known: dict[int, int] = {}
-        # Arrival at best, moves so far, ticks to go, node, tick, and where that came from.
-        heap = [(distance[start], 0, 0, start, 0, start)]
+        # Arrival and moves at best, edges to go, node, tick, and where that came from.
+        heap = [(max(distance[start], free_from), distance[start], 0, start, 0, start)]
         while heap:
-            _, moves, _, node, tick, before = heapq.heappop(heap)
+            _, most, _, node, tick, before = heapq.heappop(heap)
             if tick * size + node in known:
                 continue
             known[tick * size + node] = before
@@ -202,7 +201,7 @@ class _Routes:
             if tick == last:
                 continue
             here, there, soon = at[tick], at[tick + 1], tick + 1
-            comes = there[node]
+            comes, so_far = there[node], most - distance[node]
             for other in self._next[node]:
                 if there[other] != _NOBODY or soon * size + other in known:
                     continue
@@ -211,8 +210,9 @@ class _Routes:
                     continue
                 left = distance[other]
                 if soon + left <= last:
-                    entry = soon + left, moves + (other != node), left, other, soon, node
-                    heapq.heappush(heap, entry)
+                    arrival = max(soon + left, free_from)
+                    moves = so_far + (other != node) + left
+                    heapq.heappush(heap, (arrival, moves, left, other, soon, node))
         return None
 
     def _back(self, known: dict[int, int], node: int, tick: int) -> Route:
@@ -222,3 +222,8 @@ class _Routes:
             node, tick = known[tick * size + node], tick - 1
             route.insert(0, node)
         return route
+
+
+def _moves(route: Route) -> int:
+    """Return how often a vehicle moves to another node [-]."""
+    return sum(here != there for here, there in pairwise(route))
