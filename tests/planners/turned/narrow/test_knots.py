@@ -16,7 +16,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.turned.attempt import Attempt
 from radmpc.planners.certified.turned.narrow import knots
 from radmpc.planners.certified.turned.narrow.clear import Clear
-from radmpc.planners.certified.turned.narrow.joint_search import Ways, joint_search
+from radmpc.planners.certified.turned.narrow.joint_search import GoalGraph, joint_search
 from radmpc.planners.certified.turned.narrow.knots import joint_routes
 from radmpc.planners.certified.turned.narrow.pacing import Pacing
 from radmpc.planners.certified.turned.narrow.prioritized import prioritized, prioritized_ticks
@@ -152,7 +152,7 @@ def test_joint_ways_lead_everyone_to_the_goal_without_conflict(seed: int) -> Non
             neighbors[i].append(j)
             neighbors[j].append(i)
     starts, goals = (tuple(rng.permutation(size * size)[:count].tolist()) for _ in range(2))
-    found = joint_search(Ways.to(goals, neighbors), starts, goals, 20_000, rng, never)
+    found = joint_search(GoalGraph.to(goals, neighbors), starts, goals, 20_000, rng, never)
     assert found[0] == starts
     assert found[-1] == goals
     for before, after in pairwise(found):
@@ -172,7 +172,7 @@ def test_two_at_a_dead_end_change_places_where_the_passage_branches(length: int)
         neighbors[i].append(j)
         neighbors[j].append(i)
     rng = np.random.default_rng(0)
-    found = joint_search(Ways.to((1, 0), neighbors), (0, 1), (1, 0), 3 * length, rng, never)
+    found = joint_search(GoalGraph.to((1, 0), neighbors), (0, 1), (1, 0), 3 * length, rng, never)
     assert len(found) == 2 * length
     assert found[-1] == (1, 0)
 
@@ -181,9 +181,9 @@ def test_a_joint_search_says_when_there_is_no_way() -> None:
     # A corridor of four nodes: nobody can let the other pass.
     neighbors = [[1], [0, 2], [1, 3], [2]]
     rng = np.random.default_rng(0)
-    assert joint_search(Ways.to((3, 0), neighbors), (0, 3), (3, 0), 10_000, rng, never) == []
+    assert joint_search(GoalGraph.to((3, 0), neighbors), (0, 3), (3, 0), 10_000, rng, never) == []
     # And no way at all between two parts.
-    parts = Ways.to((3,), [[1], [0], [3], [2]])
+    parts = GoalGraph.to((3,), [[1], [0], [3], [2]])
     assert joint_search(parts, (0,), (3,), 10, rng, never) == []
 
 

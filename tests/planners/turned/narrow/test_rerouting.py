@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from radmpc.planners.certified.turned.narrow.joint_search import Ways, joint_search
+from radmpc.planners.certified.turned.narrow.joint_search import GoalGraph, joint_search
 from radmpc.planners.certified.turned.narrow.rerouting import _Routes, rerouted
 
 SIDE = 6
@@ -46,11 +46,11 @@ def test_routes_that_are_drawn_anew_keep_apart_and_are_no_later_in_all(seed: int
     starts, goals = (
         tuple(rng.choice(len(neighbors), count, replace=False).tolist()) for _ in range(2)
     )
-    ways = Ways.to(goals, neighbors)
-    drawn = joint_search(ways, starts, goals, 2000, rng, never)
+    toward = GoalGraph.to(goals, neighbors)
+    drawn = joint_search(toward, starts, goals, 2000, rng, never)
     if not drawn:
         return
-    found = rerouted(ways, drawn, 200, rng, never)
+    found = rerouted(toward, drawn, 200, rng, never)
     assert found[0] == starts
     assert found[-1] == goals
     for here, there in pairwise(found):
@@ -68,7 +68,7 @@ def test_one_that_others_would_have_to_wait_for_lets_them_pass() -> None:
     lane = [[1], [0, 2, 5], [1, 3], [2, 4], [3], [1]]
     # It waits at the far end until the other has come, four ticks late each.
     slow = [(0, 4), (0, 3), (0, 2), (0, 1), (0, 5), (1, 5), (2, 5), (3, 5), (4, 5), (4, 1), (4, 0)]
-    found = rerouted(Ways.to((4, 0), lane), slow, 200, np.random.default_rng(0), never)
+    found = rerouted(GoalGraph.to((4, 0), lane), slow, 200, np.random.default_rng(0), never)
     assert found[-1] == (4, 0)
     # It comes to the bay in three, the other passes, and it needs two more: none can do better.
     assert len(found) - 1 < len(slow) - 1
@@ -95,9 +95,9 @@ def test_a_route_arrives_first_and_moves_least_around_all_others(seed: int) -> N
     rng = np.random.default_rng(seed)
     neighbors = graph(rng)
     starts, goals = (tuple(rng.choice(len(neighbors), 8, replace=False).tolist()) for _ in "ab")
-    ways = Ways.to(goals, neighbors)
-    drawn = joint_search(ways, starts, goals, 2000, rng, never)
-    routes = _Routes(ways, drawn or [starts])
+    toward = GoalGraph.to(goals, neighbors)
+    drawn = joint_search(toward, starts, goals, 2000, rng, never)
+    routes = _Routes(toward, drawn or [starts])
     for i in range(8 if drawn else 0):
         before = [at[i] for at in drawn]
         routes._lift(i)
@@ -113,7 +113,7 @@ def test_a_route_arrives_first_and_moves_least_around_all_others(seed: int) -> N
 def best(
     neighbors: list[list[int]], ends: tuple[int, int], others: list[tuple[int, ...]]
 ) -> tuple[int, int]:
-    """Return when one arrives first, to stay, and its fewest moves; by all ways tick by tick."""
+    """Return when one arrives first, to stay, and its fewest moves; by every way tick by tick."""
     start, goal = ends
     free_from = max((k + 1 for k, at in enumerate(others) if goal in at), default=0)
     fewest = {start: 0}
@@ -136,12 +136,13 @@ def test_time_that_is_up_leaves_routes_as_they_are() -> None:
     lane = [[1], [0, 2], [1, 3], [2], [5], [4]]
     slow = [(0, 4), (0, 4), (1, 4), (2, 4), (3, 5)]
     assert (
-        rerouted(Ways.to((3, 5), lane), slow, 100, np.random.default_rng(0), lambda: True) == slow
+        rerouted(GoalGraph.to((3, 5), lane), slow, 100, np.random.default_rng(0), lambda: True)
+        == slow
     )
 
 
 def test_two_of_which_one_waits_for_nothing_both_go_at_once() -> None:
     lane = [[1], [0, 2], [1, 3], [2], [5], [4]]
     slow = [(0, 4), (0, 4), (1, 4), (2, 4), (3, 5)]
-    found = rerouted(Ways.to((3, 5), lane), slow, 100, np.random.default_rng(0), never)
+    found = rerouted(GoalGraph.to((3, 5), lane), slow, 100, np.random.default_rng(0), never)
     assert found == [(0, 4), (1, 5), (2, 5), (3, 5)]

@@ -17,7 +17,7 @@ import numpy as np
 from radmpc.planners.certified.turned.narrow.swapping import Swapping
 from radmpc.records import dataclass, field
 
-__all__ = ["Configuration", "Neighbors", "Ways", "joint_search"]
+__all__ = ["Configuration", "GoalGraph", "Neighbors", "joint_search"]
 
 _UNREACHED = 1 << 30
 """Distance of nodes from which a goal is out of reach [edges]."""
@@ -30,8 +30,8 @@ Neighbors = Sequence[Sequence[int]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ways:
-    """Where vehicles may go, and how far it is from everywhere.
+class GoalGraph:
+    """A graph, and how far its nodes are from the goals.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Ways:
 
     @classmethod
     def to(cls, goals: Configuration, neighbors: Neighbors) -> Self:
-        """Return the ways to goals.
+        """Return the graph with the distances to goals.
 
         Parameters
         ----------
@@ -80,7 +80,7 @@ class _Visit:
 
 
 def joint_search(
-    ways: Ways,
+    graph: GoalGraph,
     starts: Configuration,
     goals: Configuration,
     max_visits: int,
@@ -91,8 +91,8 @@ def joint_search(
 
     Parameters
     ----------
-    ways : Ways
-        To the goals.
+    graph : GoalGraph
+        With the distances to these goals.
     starts, goals : tuple of int
         Where vehicles are and want to be; no node twice in either.
     max_visits : int
@@ -107,10 +107,10 @@ def joint_search(
     list of tuple of int
         One per tick, the starts first; empty where none was found.
     """
-    neighbors, distances = ways.neighbors, ways.distances
+    neighbors, distances = graph.neighbors, graph.distances
     if any(d[start] >= _UNREACHED for d, start in zip(distances, starts, strict=True)):
         return []
-    proposals = _Proposals(ways, rng)
+    proposals = _Proposals(graph, rng)
     first = _Visit(
         starts,
         None,
@@ -189,9 +189,9 @@ def _traced(visit: _Visit | None) -> list[Configuration]:
 class _Proposals:
     """Next configurations by priority inheritance with backtracking."""
 
-    def __init__(self, ways: Ways, rng: np.random.Generator) -> None:
-        self._neighbors, self._distances, self._rng = ways.neighbors, ways.distances, rng
-        self._swapping = Swapping(ways.neighbors, ways.distances)
+    def __init__(self, graph: GoalGraph, rng: np.random.Generator) -> None:
+        self._neighbors, self._distances, self._rng = graph.neighbors, graph.distances, rng
+        self._swapping = Swapping(graph.neighbors, graph.distances)
         self._here: Configuration = ()
         self._at: dict[int, int] = {}
         self._next: list[int] = []

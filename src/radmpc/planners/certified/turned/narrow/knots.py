@@ -11,7 +11,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.joint_search import (
     Configuration,
-    Ways,
+    GoalGraph,
     joint_search,
 )
 from radmpc.planners.certified.turned.narrow.rerouting import rerouted
@@ -76,31 +76,31 @@ def _shortest(
     Short solutions are found soon or not at all: long searches end with long ones.
     """
     found: list[list[Configuration]] = []
-    ways = Ways.to(ends[1], neighbors)
+    graph = GoalGraph.to(ends[1], neighbors)
     for drawn in range(TUNING.joint_draws):
-        found += _drawn(ways, ends, TUNING.soon, rng, is_stopped)
+        found += _drawn(graph, ends, TUNING.soon, rng, is_stopped)
         if is_stopped() or (drawn + 1 == TUNING.soon_draws and not found):
             break
     for drawn in range(0 if found else TUNING.joint_draws):
         if is_stopped() or (found and drawn >= TUNING.long_draws):
             break
-        found += _drawn(ways, ends, TUNING.configurations, rng, is_stopped)
+        found += _drawn(graph, ends, TUNING.configurations, rng, is_stopped)
     count = len(ends[0])
     chosen = sorted(found, key=_length)[: TUNING.rerouted if count <= TUNING.few else 1]
     tries = TUNING.reroutes * count
-    found = [rerouted(ways, one, tries, rng, is_stopped) for one in chosen]
+    found = [rerouted(graph, one, tries, rng, is_stopped) for one in chosen]
     return min(found, key=_length, default=[])
 
 
 def _drawn(
-    ways: Ways,
+    graph: GoalGraph,
     ends: tuple[Configuration, Configuration],
     configurations: int,
     rng: np.random.Generator,
     is_stopped: Callable[[], bool],
 ) -> list[list[Configuration]]:
     """Return the solution of one draw, if it has any among so many configurations."""
-    drawn = joint_search(ways, *ends, configurations, rng, is_stopped)
+    drawn = joint_search(graph, *ends, configurations, rng, is_stopped)
     return [drawn] if drawn else []
 
 

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from radmpc.planners.certified.turned.narrow.joint_search import Configuration, Ways
+from radmpc.planners.certified.turned.narrow.joint_search import Configuration, GoalGraph
 
 __all__ = ["rerouted"]
 
@@ -39,7 +39,7 @@ Route = list[int]
 
 
 def rerouted(
-    ways: Ways,
+    graph: GoalGraph,
     configurations: Sequence[Configuration],
     tries: int,
     rng: np.random.Generator,
@@ -49,8 +49,8 @@ def rerouted(
 
     Parameters
     ----------
-    ways : Ways
-        To the goals.
+    graph : GoalGraph
+        With the distances to their goals.
     configurations : sequence of tuple of int
         One per tick: no two vehicles at a node, or across an edge; the goals last.
     tries : int
@@ -65,7 +65,7 @@ def rerouted(
     list of tuple of int
         One per tick.
     """
-    routes = _Routes(ways, configurations)
+    routes = _Routes(graph, configurations)
     batch, before = _BATCH * len(configurations[0]), float("inf")
     for number in range(tries):
         if number % batch == 0:
@@ -81,14 +81,14 @@ def rerouted(
 class _Routes:
     """The routes of all vehicles, and who is where at each tick."""
 
-    def __init__(self, ways: Ways, configurations: Sequence[Configuration]) -> None:
-        self._neighbors, self._distances = ways.neighbors, ways.distances
+    def __init__(self, graph: GoalGraph, configurations: Sequence[Configuration]) -> None:
+        self._neighbors, self._distances = graph.neighbors, graph.distances
         self._starts, self._goals = configurations[0], configurations[-1]
-        self._next = [(*others, node) for node, others in enumerate(ways.neighbors)]
+        self._next = [(*others, node) for node, others in enumerate(graph.neighbors)]
         self._routes: list[Route] = [list(route) for route in zip(*configurations, strict=True)]
         self._moves = [_moves(route) for route in self._routes]
         self._arrivals = [self._arrival(i, route) for i, route in enumerate(self._routes)]
-        self._at = [[_NOBODY] * len(ways.neighbors) for _ in configurations]
+        self._at = [[_NOBODY] * len(graph.neighbors) for _ in configurations]
         for here, nodes in zip(self._at, configurations, strict=True):
             for i, node in enumerate(nodes):
                 here[node] = i
