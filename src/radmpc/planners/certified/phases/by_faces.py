@@ -133,12 +133,22 @@ def _move_price(search: BoundSearch, sets: tuple[Members, ...], efforts: int) ->
     _advance(search, sets, range(efforts))
     for _ in range(TUNING.price_moves):
         price, bound = search.price, search.bound_here()
-        if search.is_over or not search.moves_price(TUNING.most_step):
+        if search.is_over or _pays_nothing(search) or not search.moves_price(TUNING.most_step):
             return
         _advance(search, sets, range(efforts))
         if search.bound_here() <= bound:
             search.go_on_at(price)
             return
+
+
+def _pays_nothing(search: BoundSearch) -> bool:
+    """Whether what is searched costs no more than in empty space, whatever it risks.
+
+    No price of risk is better than another then.
+    """
+    at_risk = search.price * search.fleet.scenario.risk_bound
+    least = float(sum(search.fleet.base))
+    return relative_gap(search.bound_here() + at_risk, least) <= search.gap
 
 
 def _choose_price(search: BoundSearch, sets: tuple[Members, ...], other: float) -> None:
