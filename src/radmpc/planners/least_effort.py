@@ -7,11 +7,14 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.program.assembly import decision_columns
 from radmpc.program.condensed import CondensedModel
+from radmpc.program.hard import split_hard_rows
 from radmpc.records import dataclass
+from radmpc.solvers.lp.bounded_lp import BoundedLp
 from radmpc.solvers.lp.choosing import bounded_lp
 from radmpc.solvers.lp.outcome import LpOutcome
+from radmpc.sparse_rows import diagonal_rows
 
-__all__ = ["LeastEffort", "least_effort"]
+__all__ = ["LeastEffort", "alone_in_space", "least_effort"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,10 +27,13 @@ class LeastEffort:
         Proven least cost; 0 where it cannot reach its goal.
     controls : (T, m) array or None
         The plan; None where there is none, or where steps of visits are open.
+    basis : bytes
+        Where its program ended, for `alone_in_space`; empty where that is not to be had.
     """
 
     cost: float
     controls: Matrix | None
+    basis: bytes = b""
 
 
 def least_effort(model: CondensedModel) -> LeastEffort:
@@ -41,6 +47,26 @@ def least_effort(model: CondensedModel) -> LeastEffort:
     return model.kept.once(_least_effort, model)
 
 
+def alone_in_space(model: CondensedModel) -> BoundedLp:
+    """Return the linear program of a vehicle's controls with nothing in the way.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle; the steps of its visits are fixed.
+
+    Returns
+    -------
+    BoundedLp
+        Columns ``u+``, then ``u-``; begun where `least_effort` ended.
+    """
+    hard, upper = split_hard_rows(model), np.maximum(np.tile(model.control_bounds.ravel(), 2), 0.0)
+    lp = bounded_lp(np.full(upper.size, model.vehicle.cost_weight), np.zeros(upper.size), upper)
+    lp.add_rows(diagonal_rows([hard.rows]), hard.lower, hard.upper)
+    lp.begin_with(least_effort(model).basis)
+    return lp
+
+
 def _least_effort(model: CondensedModel) -> LeastEffort:
     """Make it."""
     columns = decision_columns((model,))
@@ -52,4 +78,5 @@ def _least_effort(model: CondensedModel) -> LeastEffort:
     if columns.times is not None:
         return LeastEffort(cost, None)
     plus, minus = np.split(lp.point(), 2)
-    return LeastEffort(cost, (plus - minus).reshape(model.control_bounds.shape))
+    controls = (plus - minus).reshape(model.control_bounds.shape)
+    return LeastEffort(cost, controls, lp.basis())

@@ -11,7 +11,7 @@ from radmpc.experiments.families import fleet, paper
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned import first_plan as first
-from radmpc.planners.certified.turned.linear.group_lp import GroupLp
+from radmpc.planners.certified.turned.linear.warm_programs import WarmPrograms
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.turning import Turning
 from radmpc.planners.verdict import Verdict
@@ -46,7 +46,7 @@ def test_who_keeps_clear_on_the_path_of_least_effort_is_not_planned(
 ) -> None:
     successive = begun_alone(hazards_of(1, has_obstacles=False))
     before = successive.paths.means.copy()
-    monkeypatch.setattr(GroupLp, "solve", refuse)
+    monkeypatch.setattr(WarmPrograms, "plan_alone", refuse)
     assert successive.keep_apart(3.0, 4)
     assert np.array_equal(successive.paths.means, before)
 
@@ -56,7 +56,7 @@ def test_who_left_that_path_is_planned_even_where_it_keeps_clear(
 ) -> None:
     successive = begun_alone(hazards_of(1, has_obstacles=False))
     successive.paths.fly(0, successive.paths.controls[0].copy())
-    monkeypatch.setattr(GroupLp, "solve", refuse)
+    monkeypatch.setattr(WarmPrograms, "plan_alone", refuse)
     with pytest.raises(AssertionError, match="not needed"):
         successive.keep_apart(3.0, 4)
 

@@ -216,7 +216,7 @@ class SuccessiveLp:
             self.missed[i] = 0.0
             return
         margins = fixed_margins(spaces.deviations, clearance, penalty * self.meter)
-        plan = self.programs.of((i,)).solve(spaces, self.paths, margins)
+        plan = self.programs.plan_alone(i, spaces, self.paths, margins)
         if plan is not None:
             self.paths.fly(i, plan.controls[0])
             self.missed[i] = plan.shortfall

@@ -17,7 +17,13 @@ from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.kept_basis import Bounds, KeptBasis
 from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.planners.certified.turned.linear.member import Member, member_of
-from radmpc.planners.certified.turned.linear.parts import Entered, Rows, are_few, near_first
+from radmpc.planners.certified.turned.linear.parts import (
+    Entered,
+    Rows,
+    are_few,
+    near_first,
+    rows_of,
+)
 from radmpc.program.condensed import CondensedModel
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL
@@ -34,9 +40,6 @@ NEVER = Limits()
 UNASKED = 1e-7
 """Share of the value of a program that the risk at a half-space may be worth that is left out of it
 [-]: of `paper(8)` those beyond five standard deviations."""
-
-_LITTLE = 1e-9
-"""Share of a reserve below which its row is left out [-]."""
 
 
 class GroupLp:
@@ -212,25 +215,10 @@ class GroupLp:
         return tuple(found)
 
     def _rows(self, spaces: HalfSpaces, paths: Places) -> Rows:
-        """Choose the rows: at each end the chord, and where the curve comes closer, its reserve.
-
-        With s the sagitta toward the half-space and θ its share, the curve keeps what the chord's
-        start keeps less ``4θ²s`` and its end less ``4(1 - θ)²s``.
-        """
-        every = np.arange(spaces.count)
+        """Choose the rows of half-spaces."""
         if not self._hazards.intervals:
-            return Rows(every, np.ones(spaces.count, dtype=np.int64), np.zeros(spaces.count))
-        share = spaces.shares
-        spaces_of, ends, reserves = [], [], []
-        bends = can_bend(self._models, self._slots, spaces, paths)
-        for end, kept in ((0, share), (1, 1.0 - share)):
-            # The first position is given.
-            plain = every[(spaces.windows > 0) | (end == 1)]
-            bent = every[bends & (kept > _LITTLE)]
-            spaces_of += [plain, bent]
-            ends += [np.full(plain.size + bent.size, end)]
-            reserves += [np.zeros(plain.size), 4.0 * np.square(kept[bent])]
-        return Rows(np.concatenate(spaces_of), np.concatenate(ends), np.concatenate(reserves))
+            return rows_of(spaces, None)
+        return rows_of(spaces, can_bend(self._models, self._slots, spaces, paths))
 
     def _entries(
         self, spaces: HalfSpaces, paths: Places, rights: Matrix, laid_out: tuple[Rows, int]

@@ -11,11 +11,14 @@ from radmpc.planners.certified.turned.linear.kept_basis import Offered
 from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.records import dataclass
 
-__all__ = ["FEW", "FEW_PRICED", "Entered", "Rows", "are_few", "near_first"]
+__all__ = ["FEW", "FEW_PRICED", "Entered", "Rows", "are_few", "near_first", "rows_of"]
 
 FEW, FEW_PRICED = 256, 24
 """Half-spaces up to which all are in a program from the first, and where risk has a price: each has
 some twenty columns then [-]."""
+
+_LITTLE = 1e-9
+"""Share of a reserve below which its row is left out [-]."""
 
 _NEAR = 5.0
 """Clearance below which the others are [standard deviations] where all are to keep the same."""
@@ -45,6 +48,34 @@ class Rows:
     def count(self) -> int:
         """Number of rows r."""
         return len(self.spaces)
+
+
+def rows_of(spaces: HalfSpaces, bends: npt.NDArray[np.bool_] | None) -> Rows:
+    """Choose the rows: at each end the chord, and where the curve comes closer, its reserve.
+
+    With s the sagitta toward the half-space and θ its share, the curve keeps what the chord's start
+    keeps less ``4θ²s`` and its end less ``4(1 - θ)²s``.
+
+    Parameters
+    ----------
+    spaces : HalfSpaces
+        Turned to the latest paths.
+    bends : (w,) bool array or None
+        Which half-spaces curves may come closer to than their chords; None where only steps count.
+    """
+    every = np.arange(spaces.count)
+    if bends is None:
+        return Rows(every, np.ones(spaces.count, dtype=np.int64), np.zeros(spaces.count))
+    share = spaces.shares
+    spaces_of, ends, reserves = [], [], []
+    for end, kept in ((0, share), (1, 1.0 - share)):
+        # The first position is given.
+        plain = every[(spaces.windows > 0) | (end == 1)]
+        bent = every[bends & (kept > _LITTLE)]
+        spaces_of += [plain, bent]
+        ends += [np.full(plain.size + bent.size, end)]
+        reserves += [np.zeros(plain.size), 4.0 * np.square(kept[bent])]
+    return Rows(np.concatenate(spaces_of), np.concatenate(ends), np.concatenate(reserves))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from radmpc.planners.certified.turned.half_spaces import HalfSpaces
+from radmpc.planners.certified.turned.linear.alone_lp import plan_alone
+from radmpc.planners.certified.turned.linear.given import Places
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
+from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
+from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.program.hazards import Hazards
+from radmpc.solvers.compiled_code import is_compiled
 
 __all__ = ["Group", "WarmPrograms"]
 
@@ -47,6 +53,27 @@ class WarmPrograms:
         if len(group) + sum(len(known) for known in self._programs) <= _WARM:
             self._programs[group] = program
         return program
+
+    def plan_alone(
+        self, vehicle: int, spaces: HalfSpaces, paths: Places, margins: Margins
+    ) -> GroupPlan | None:
+        """Plan one vehicle that keeps the same clearance everywhere.
+
+        Parameters
+        ----------
+        vehicle : int
+            Its number.
+        spaces, paths, margins
+            As in `GroupLp.solve`.
+
+        Returns
+        -------
+        GroupPlan or None
+            None where it cannot reach its goal at all.
+        """
+        if is_compiled():
+            return plan_alone(self._hazards, vehicle, spaces, paths, margins)
+        return self.of((vehicle,)).solve(spaces, paths, margins)
 
     def forget_all_but(self, groups: Sequence[Group]) -> None:
         """Give up the linear programs of groups that will not be planned again.
