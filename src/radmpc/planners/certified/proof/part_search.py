@@ -174,8 +174,10 @@ class _PartSearch:
         return near_each_other(paths, radii, np.sqrt(variances), intervals=intervals)
 
     def _is_too_large(self, blocks: Members) -> bool:
-        """Whether sets of fewer vehicles of a set are searched first, and all together later."""
+        """Whether sets of fewer vehicles of a set are searched, and all together later or never."""
         most, together = self.order.most_fewer, TUNING.most_together
+        if self.part.scenario.dimension > 2 and len(blocks) > TUNING.most_in_space:
+            return True
         is_climbed = self._is_climbed(blocks) or len(blocks) > together
         return is_climbed and most < min(len(blocks) - 1, together)
 

@@ -53,6 +53,10 @@ class Tuning:
         Nodes per vehicle of a set up to which its vehicles are searched alone and in pairs before
         it; with twice as many in threes, and so on [-]. With 200 `fleet(16, 20)`, whose sets of
         four are soon done, is left 1.5 % from any certified plan instead of 0.8.
+    most_in_space : int
+        Vehicles in space that are searched together at all [-]: the cones of 12 drones are 105,000
+        rows, and raise the bound of ``swarm(12, 1)`` by 2 %; those of 20 are 350,000, which take
+        350 MB, and raised neither that of ``swarm(20, 0)`` nor of LSC's ``empty_20agents_3``.
     least_climbed : int
         Vehicles of a set from which on sets of three and more of them are searched before it [-]:
         with 4, `circle(5)` is left 1.7 % from any certified plan instead of 1.0, and the bound of
@@ -114,6 +118,7 @@ class Tuning:
     doubtful: float = 0.02
     directions: int = 16
     most_together: int = 8
+    most_in_space: int = 12
     most_in_pairs: int = 24
     many_obstacles: int = 12
     try_nodes: int = 300
