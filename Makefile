@@ -116,7 +116,7 @@ sanitize: $(INSTALLED_DEV) ## compiled code under the address sanitizer: its tes
 	    src/radmpc/solvers/compiled/*.c -o $(SANITIZED)/radmpc/solvers/_compiled.abi3.so -lm
 	@set -e; export LD_PRELOAD="$$(cc -print-file-name=libasan.so) $$(cc -print-file-name=libubsan.so)" \
 	    ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc PYTHONPATH=$(SANITIZED); \
-	$(BIN)/pytest -p no:cacheprovider tests/solvers tests/planners/search; \
+	$(BIN)/pytest -p no:cacheprovider tests/solvers tests/planners/search tests/planners/turned; \
 	$(BIN)/python benchmarks/hunt.py --scenes 100 --seed 1 --out $(SANITIZED)/hunt.csv; \
 	for problem in libMultiRobotPlanning/map_32by32_obst204_agents20_ex3.yaml lsc_planner/forest_20agents_3.json; do \
 	    $(BIN)/radmpc import instances/$$problem --output $(SANITIZED)/scenario.yaml > /dev/null; \

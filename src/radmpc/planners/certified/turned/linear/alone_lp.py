@@ -26,7 +26,7 @@ __all__ = ["plan_alone"]
 
 _NEAR = 0.1
 """Room beyond what is asked for up to which a half-space is a row from the first [standard
-deviations]."""
+deviations]: with 0 and 0.5 programs of a map of 32 x 32 cells take as long."""
 
 _MOST_ENTERING = 48
 """Rows that enter at once, those that miss most [-]: of a map of 32 x 32 cells 290 rows are in a
