@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -55,37 +54,39 @@ def effort(model: CondensedModel, controls: np.ndarray) -> float:
 
 
 def missed(
-    model: CondensedModel, i: int, controls: np.ndarray, paths: Paths, terms: tuple
-) -> Iterator[float]:
-    """Yield what the ends of half-spaces miss, by looking at each."""
-    spaces, margins, is_along = terms
-    path = model.path(controls)
-    hang = controls @ model.vehicle.system.sagitta.T
+    hazards: Hazards,
+    i: int,
+    controls: np.ndarray,
+    paths: Paths,
+    asked_of: tuple[HalfSpaces, Margins],
+) -> float:
+    """Return what the ends of half-spaces miss in all, by looking at each."""
+    spaces, margins = asked_of
+    flown = Paths(hazards)
+    flown.restore(paths.state())
+    flown.fly(i, controls)
+    total = 0.0
     for w in range(spaces.count):
-        one, two = int(spaces.first[w]), int(spaces.second[w])
-        window, normal, share = int(spaces.windows[w]), spaces.normals[w], spaces.shares[w]
-
-        def height(step: int, kept: float, w: int = w) -> float:
-            total = 0.0
-            for sign, who in ((1.0, int(spaces.first[w])), (-1.0, int(spaces.second[w]))):
-                if who < 0:
-                    continue
-                at = path[step] if who == i else paths.means[who, step]
-                bow = hang if who == i else paths.sagittas[who]
-                down = 4.0 * kept**2 * bow[int(spaces.windows[w])]
-                total += sign * float(spaces.normals[w] @ (at - down))
-            return total
-
-        assert i in (one, two)
-        assert np.isclose(np.linalg.norm(normal), 1.0)
+        window, share = int(spaces.windows[w]), float(spaces.shares[w])
         for end, kept in ((0, share), (1, 1.0 - share)):
-            if not is_along and end == 0:
+            if end == 0 and not hazards.intervals:
                 continue
-            least = [height(window + end, kept)] if is_along and kept > 1e-9 else []
-            if window + end > 0:
-                least.append(height(window + end, 0.0))
-            right = spaces.offsets[w, end] + margins.distances[w, end]
-            yield max([right - each for each in least] + [0.0])
+            heights = [height(flown, spaces, w, end, kept)] if kept and hazards.intervals else []
+            # Where a vehicle starts is given.
+            heights += [height(flown, spaces, w, end, 0.0)] if window + end else []
+            asked_for = float(spaces.offsets[w, end] + margins.distances[w, end])
+            total += max([asked_for - each for each in heights] + [0.0])
+    return total
+
+
+def height(paths: Paths, spaces: HalfSpaces, w: int, end: int, kept: float) -> float:
+    """Return the left side of a half-space at an end, less the reserve that is kept there [m]."""
+    window, found = int(spaces.windows[w]), 0.0
+    for sign, who in ((1.0, int(spaces.first[w])), (-1.0, int(spaces.second[w]))):
+        if who >= 0:
+            at = paths.means[who, window + end] - 4.0 * kept**2 * paths.sagittas[who, window]
+            found += sign * float(spaces.normals[w] @ at)
+    return found
 
 
 @pytest.mark.parametrize("penalty", [3.0, 300.0])
@@ -107,8 +108,7 @@ def test_both_programs_find_plans_worth_the_same(
         assert other is not None
         (controls,) = found.controls
         assert keeps_hard_rows(model, controls)
-        terms = spaces, margins, hazards.intervals
-        told = sum(missed(model, i, controls, paths, terms))
+        told = missed(hazards, i, controls, paths, (spaces, margins))
         assert told == pytest.approx(found.shortfall, abs=1e-6)
         value = effort(model, controls) + penalty * found.shortfall
         wanted = effort(model, other.controls[0]) + penalty * other.shortfall
