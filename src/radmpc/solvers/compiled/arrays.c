@@ -59,6 +59,10 @@ PyObject *arrays_no_memory(Arrays *arrays) {
     return PyErr_NoMemory();
 }
 
+PyObject *bytes_of(const void *values, size_t size) {
+    return PyBytes_FromStringAndSize(values, (Py_ssize_t)size);
+}
+
 int numbers_read(Numbers *numbers, PyObject *tuple, int limit) {
     Py_ssize_t count = PyTuple_Size(tuple);
     if (count < 0) return 0;

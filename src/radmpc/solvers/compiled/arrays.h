@@ -24,6 +24,9 @@ void arrays_release(Arrays *arrays);
 PyObject *arrays_refuse(Arrays *arrays, const char *what);
 PyObject *arrays_no_memory(Arrays *arrays);
 
+/* Values as bytes, for Python to look at as an array; to be filled where there are none yet (NULL). */
+PyObject *bytes_of(const void *values, size_t size);
+
 /* The integers of a tuple. */
 typedef struct {
     int *values, count, room;

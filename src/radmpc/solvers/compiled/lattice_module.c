@@ -18,10 +18,6 @@ static int is_within(const Lattice *lattice, const Box *box) {
     return box->row >= 0 && box->row_end <= lattice->rows && box->column >= 0 && box->column_end <= lattice->columns;
 }
 
-static PyObject *bytes_of(const void *values, size_t size) {
-    return PyBytes_FromStringAndSize(values, (Py_ssize_t)size);
-}
-
 static PyObject *measured(PyObject *Py_UNUSED(module), PyObject *args) {
     PyObject *o[6];
     Lattice lattice = {0};

@@ -160,10 +160,6 @@ static PyObject *begin_with(PyObject *self, PyObject *bytes) {
     Py_RETURN_NONE;
 }
 
-static PyObject *bytes_of(const void *data, size_t length) {
-    return PyBytes_FromStringAndSize(data, (Py_ssize_t)length);
-}
-
 /* All of it: cost, lower, upper; starts, columns, values, lower and upper of rows. */
 static PyObject *contents(PyObject *self, PyObject *Py_UNUSED(nothing)) {
     const Lp *lp = program_of(self);

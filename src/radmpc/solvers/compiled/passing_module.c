@@ -2,10 +2,6 @@
 #include "arrays.h"
 #include "modules.h"
 
-static PyObject *bytes_of(const void *values, size_t size) {
-    return PyBytes_FromStringAndSize(values, (Py_ssize_t)size);
-}
-
 static PyObject *passing_costs(PyObject *Py_UNUSED(module), PyObject *args) {
     PyObject *objects[2];
     Passing passing = {0};
