@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.proof.packing import gains_of, packed
+from radmpc.planners.certified.proof.symmetry import with_images
 from radmpc.planners.certified.proof.tuning import TUNING
 
 if TYPE_CHECKING:
@@ -137,6 +138,7 @@ def bound_together(
     base: Sequence[float],
     price: float,
     below: Mapping[Members, float] = MappingProxyType({}),
+    group: Sequence[Members] = (),
 ) -> float:
     """Return what the vehicles of a part cost at least, by what is proven of any of them.
 
@@ -153,8 +155,11 @@ def bound_together(
         Cost per unit of probability; what was proven at another does not count.
     below : mapping of tuple of int to float
         What else is proven of vehicles of the part, by their places in it.
+    group : sequence of tuple of int
+        Its `symmetries`.
     """
     bounds = {places: one.bound for places, one in sets.items() if one.price == price}
+    bounds = with_images(bounds, group)
     bounds |= {m: max(bound, bounds.get(m, 0.0)) for m, bound in below.items()}
     whole = bounds.pop(tuple(range(len(base))), 0.0)
     total, gains = gains_of(bounds, dict(enumerate(base)))
@@ -216,6 +221,7 @@ class PartTotals:
         base: Sequence[float],
         price: float,
         below: Mapping[Members, float],
+        group: Sequence[Members],
     ) -> float:
         """Return `bound_together` of a part.
 
@@ -223,14 +229,14 @@ class PartTotals:
         ----------
         members : tuple of int
             The part.
-        sets, price, below
+        sets, price, below, group
             As there.
         base : sequence of float
             What every vehicle of the fleet is known to cost at least, the same in all calls.
         """
         latest = self._bounds.get(members)
         if latest is None or latest[0] is not sets or latest[1] != price:
-            bound = bound_together(sets, [base[i] for i in members], price, below)
+            bound = bound_together(sets, [base[i] for i in members], price, below, group)
             latest = self._bounds[members] = sets, price, bound
         return latest[2]
 

@@ -13,6 +13,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.proof.grouping import most_fewer
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
+from radmpc.planners.certified.proof.symmetry import symmetries
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.program.build import cost_of_time
@@ -56,6 +57,9 @@ class Part:
     below : mapping of tuple of int to float
         What plans by faces of some of them, by their places, cost with their risk at the price at
         least, as the relaxation says.
+    symmetries : tuple of tuple of int
+        How space can be turned so that the part stays the same, see `symmetries`; none where its
+        sets of fewer vehicles are not searched.
     """
 
     members: Members
@@ -67,6 +71,7 @@ class Part:
     most_over: float
     tails: Tails | None
     below: Mapping[Members, float] = field(default_factory=dict)
+    symmetries: tuple[Members, ...] = ()
 
     @classmethod
     def of(
@@ -86,15 +91,18 @@ class Part:
             As in `Part`.
         """
         scenario = fleet.programs.alone(members)
+        models = tuple(fleet.programs.models[i] for i in members)
+        is_climbed = len(members) >= TUNING.least_climbed
         return cls(
             members,
             scenario,
-            tuple(fleet.programs.models[i] for i in members),
+            models,
             len(scenario.obstacles) >= TUNING.many_obstacles,
             tuple(fleet.base[i] for i in members),
             tuple(incumbent.controls[i] for i in members),
             incumbent.cost - sum(fleet.base),
             tails,
+            symmetries=symmetries(scenario, models) if is_climbed else (),
         )
 
     def paid_for_hazards(self, blocks: Members) -> float:

@@ -94,6 +94,7 @@ class _PartSearch:
 
     def advance(self, blocks: Members) -> bool:
         """Search a set on, smaller ones before; tell whether there was anything to do."""
+        blocks = self._fewer.searched_as(blocks)
         order, proven = self.order, self.sets.get(blocks)
         if self._has_spent or blocks in self.visited:
             return False
@@ -136,7 +137,7 @@ class _PartSearch:
                 value = self._bound_of(fewer)
                 if value is not None:
                     bounds[fewer] = value
-        most = self.order.most_fewer
+        most = self._fewer.most_before(blocks)
         if self._is_climbed(blocks):
             self._climb(blocks, min(most, len(blocks) - 1))
             bounds |= self._fewer.largest(blocks)
@@ -175,7 +176,7 @@ class _PartSearch:
 
     def _is_too_large(self, blocks: Members) -> bool:
         """Whether sets of fewer vehicles of a set are searched, and all together later or never."""
-        most, together = self.order.most_fewer, TUNING.most_together
+        most, together = self._fewer.most_before(blocks), TUNING.most_together
         if self.part.scenario.dimension > 2 and len(blocks) > TUNING.most_in_space:
             return True
         is_climbed = self._is_climbed(blocks) or len(blocks) > together
@@ -184,15 +185,14 @@ class _PartSearch:
     def _is_climbed(self, blocks: Members) -> bool:
         """Whether sets of three and more of a set's vehicles are searched before it is."""
         is_large = len(blocks) >= TUNING.least_climbed and not self.part.is_narrowed
-        return is_large and self.order.most_fewer > 2
+        return is_large and self._fewer.most_before(blocks) > 2
 
     def _bound_of(self, blocks: Members) -> float | None:
         """Return what is proven of a part of a set, searched for it where nothing else says so."""
         if blocks in self.part.below and len(self.part.members) <= TUNING.most_together:
             return self.part.below[blocks]
         self.advance(blocks)
-        proven = self.sets.get(blocks)
-        return proven.bound if proven is not None and proven.price == self.order.price else None
+        return self._fewer.bound_of(blocks)
 
     def _search_on(
         self, blocks: Members, proven: RelaxedSet, bounds: tuple[SetBound, ...], share: int

@@ -35,6 +35,7 @@ from radmpc.planners.certified.proof.promise import (
 )
 from radmpc.planners.certified.proof.relaxed_plan import best_points, relaxed_plan
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
+from radmpc.planners.certified.proof.symmetry import with_images
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.executing import in_order
@@ -193,9 +194,9 @@ class BoundSearch:
 
     def _bound_of(self, members: Members) -> float:
         """Return the bound of a part at the present price."""
-        sets = self.proven.get(members, {})
-        below = self.parts[members].below if members in self.parts else {}
-        return self._totals.bound_of(members, sets, self.fleet.base, self.price, below)
+        sets, part = self.proven.get(members, {}), self.parts.get(members)
+        told = ({}, ()) if part is None else (part.below, part.symmetries)
+        return self._totals.bound_of(members, sets, self.fleet.base, self.price, *told)
 
     def _paid_for_hazards(self, members: Members) -> float:
         """Return what a set's plan costs beyond the least in empty space."""
@@ -277,9 +278,8 @@ class BoundSearch:
         """Return what a part is given."""
         if members not in self.parts:
             part = Part.of(self.fleet, self.incumbent, members, self.tails)
-            self.parts[members] = replace(
-                part, below=bounds_within(members, self.below, self.price)
-            )
+            below = bounds_within(members, self.below, self.price)
+            self.parts[members] = replace(part, below=with_images(below, part.symmetries))
         return PartTask(self.parts[members], self.proven.get(members, {}), order)
 
     def _answer_here(self, members: Members, order: PartOrder) -> PartAnswer:
