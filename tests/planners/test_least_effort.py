@@ -12,8 +12,8 @@ from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.least_effort import least_effort
 from radmpc.program.build import condensed_models
-from radmpc.program.hard import keeps_hard_rows
 from radmpc.program.hazards import Hazards
+from radmpc.program.limits.hard import keeps_hard_rows
 from radmpc.solvers.solution import Limits
 
 

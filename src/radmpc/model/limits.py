@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.geometry import inner_faces
 from radmpc.model.plan import Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
@@ -93,8 +93,10 @@ def _num_used(values: Matrix, bounds: Matrix, scale: Matrix) -> int:
     return int(np.count_nonzero(np.any(values >= bounds - _CLOSE * scale, axis=1)))
 
 
-def control_face_bounds(vehicle: Vehicle, first_step: int, horizon: int) -> Matrix:
-    """Return the largest nominal control along the normals of `inner_faces`.
+def control_face_bounds(
+    vehicle: Vehicle, first_step: int, horizon: int, faces: tuple[Tensor, Vector] | None = None
+) -> Matrix:
+    """Return the largest nominal control along the normals of a polytope's faces.
 
     Parameters
     ----------
@@ -104,6 +106,9 @@ def control_face_bounds(vehicle: Vehicle, first_step: int, horizon: int) -> Matr
         Step of the vehicle's noise at which they begin.
     horizon : int
         Number of steps T.
+    faces : ((T, f, m) array, (f,) array) or None
+        The normals of every step, and how much each face leaves of the norm [-]; None is those of
+        `inner_faces` at all.
 
     Returns
     -------
@@ -111,18 +116,20 @@ def control_face_bounds(vehicle: Vehicle, first_step: int, horizon: int) -> Matr
         What the polytope within the limit leaves less ``control_sigmas`` standard deviations of
         the feedback along each normal, from the noise of the whole mission.
     """
-    normals, share = inner_faces(vehicle.system.num_controls)
-    most = share * (vehicle.control_norm or 0.0)
+    if faces is None:
+        normals, share = inner_faces(vehicle.system.num_controls)
+        faces = np.broadcast_to(normals, (horizon, *normals.shape)), np.full(len(normals), share)
+    most = np.tile(faces[1] * (vehicle.control_norm or 0.0), (horizon, 1))
     if vehicle.gain is None:
-        return np.full((horizon, len(normals)), most)
+        return most
     last = first_step + horizon
     if vehicle.measurement is None:
         covariances = vehicle.covariances(last)
     else:
         covariances = vehicle.spread(last).estimates
-    pulls = normals @ vehicle.gain
+    pulls = faces[0] @ vehicle.gain
     seen = covariances[first_step:last]
-    variances = np.einsum("fn,knm,fm->kf", pulls, seen, pulls)
+    variances = np.einsum("kfn,knm,kfm->kf", pulls, seen, pulls)
     return np.asarray(most - vehicle.control_sigmas * np.sqrt(np.maximum(variances, 0.0)))
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix
+from radmpc.model.limits import outside_norms
 from radmpc.model.plan import Status
 from radmpc.model.relations.goals import places_of
 from radmpc.model.scenario import Scenario
@@ -22,7 +23,7 @@ from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Planner, Run
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import condensed_models, cost_of_time
-from radmpc.program.hard import hard_rows
+from radmpc.program.limits.hard import hard_rows
 from radmpc.records import dataclass, replace
 from radmpc.solvers.lp.choosing import bounded_lp
 from radmpc.solvers.lp.outcome import LpOutcome
@@ -99,7 +100,9 @@ def least_costs(scenario: Scenario) -> Matrix:
     """
     found = np.full((scenario.num_vehicles, len(scenario.goals)), np.inf)
     for k, goal in enumerate(scenario.goals):
-        vehicles = tuple(replace(vehicle, goal=goal) for vehicle in scenario.vehicles)
+        # Programs keep to polytopes within norms, and plans are turned beyond these.
+        aimed = (replace(vehicle, goal=goal) for vehicle in scenario.vehicles)
+        vehicles = tuple(map(outside_norms, aimed))
         there = replace(scenario, vehicles=vehicles, goals=())
         for i, model in enumerate(condensed_models(there)):
             rows, lower, upper = hard_rows(model)

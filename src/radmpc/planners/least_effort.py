@@ -7,7 +7,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.program.assembly import decision_columns
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.hard import split_hard_rows
+from radmpc.program.limits.hard import split_hard_rows
 from radmpc.records import dataclass
 from radmpc.solvers.lp.bounded_lp import BoundedLp
 from radmpc.solvers.lp.choosing import bounded_lp

@@ -11,7 +11,7 @@ from scipy.sparse import block_diag, csr_array
 from radmpc.arrays import Indices, Vector
 from radmpc.program.avoidance import RowBlock
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.hard import split_hard_rows
+from radmpc.program.limits.hard import split_hard_rows
 from radmpc.program.program import ChanceRows
 from radmpc.records import dataclass
 from radmpc.sparse_rows import SparseBlock, diagonal_rows, rows_of_entries, sparse_block

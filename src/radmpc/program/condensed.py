@@ -116,6 +116,10 @@ class CondensedModel:
     face_bounds : (T, f) array or None
         Largest nominal control along each normal of a polytope, see `control_face_bounds`; None
         where the control's norm is free.
+    face_normals : (T, f, m) array or None
+        Those normals; None is those of `inner_faces` at every step.
+    speed_faces : ((T, f, d) array, (f,) array) or None
+        The same of velocities at steps 1..T, and how much each face leaves of their norm [-].
     kept : Kept
         What was computed of it.
     """
@@ -134,6 +138,8 @@ class CondensedModel:
     common: PositionResponse | None = None
     time_cost: float = 0.0
     face_bounds: Matrix | None = None
+    face_normals: Tensor | None = None
+    speed_faces: tuple[Tensor, Vector] | None = None
     kept: Kept = field(default_factory=Kept, init=False, repr=False)
 
     def path(self, controls: Matrix) -> Matrix:

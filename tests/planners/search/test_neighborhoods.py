@@ -170,7 +170,7 @@ def test_in_the_open_they_are_searched_where_the_search_left_a_gap(
 
     monkeypatch.setattr(neighborhoods, "search_neighborhoods", nearby)
     open_bound = lambda fleet, state, _: (1.0 - gap) * state.incumbent.cost  # noqa: E731 - a stub
-    monkeypatch.setattr(improving, "reported_bound", open_bound)
+    monkeypatch.setattr(improving, "bound_of_programs", open_bound)
     result = plan(scenario, "certified", rng=0, time_limit=20.0)
     assert bool(searched) == is_searched
     if is_searched:

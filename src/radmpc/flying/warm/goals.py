@@ -14,7 +14,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.hard import norm_rows
+from radmpc.program.limits.norms import norm_rows
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 
 __all__ = ["least_slacks", "reached", "widened"]

@@ -19,8 +19,8 @@ from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.planners.certified.turned.linear.member import Member
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.hard import norm_rows
 from radmpc.program.hazards import Hazards
+from radmpc.program.limits.norms import norm_rows
 from radmpc.solvers.solution import Limits
 from radmpc.sparse_rows import sparse_block
 

@@ -12,7 +12,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
-from radmpc.planners.certified.infeasible.sure import sure_why_not
+from radmpc.planners.certified.infeasible.sure import holds_outside_norms, sure_why_not
 from radmpc.planners.certified.phases.by_faces import bound_faces_of_each
 from radmpc.planners.certified.phases.improving import (
     cheaper,
@@ -20,6 +20,7 @@ from radmpc.planners.certified.phases.improving import (
     searched_nearby,
     turned_to_others,
 )
+from radmpc.planners.certified.phases.norms import models_within_norms, turned_to_norms
 from radmpc.planners.certified.phases.searching import SearchResult, searched, tell
 from radmpc.planners.certified.phases.time_shares import (
     but_for_certificates,
@@ -36,7 +37,6 @@ from radmpc.planners.certified.state.timed_judge import TimedJudge
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
-from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass, replace
 from radmpc.solvers.branch.branch import Branch
@@ -92,7 +92,7 @@ class Certified(Decomposition):
         """
         begun, judge = time.perf_counter(), TimedJudge(run.judge, scenario.risk_bound)
         run = replace(run, judge=judge)
-        models = condensed_models(scenario)
+        models = models_within_norms(scenario)
         ruled_out = sure_why_not(scenario, models, run.limits)
         if ruled_out is not None:
             return _empty(scenario, ruled_out, begun)
@@ -105,25 +105,35 @@ class Certified(Decomposition):
             return _empty(scenario, result.answer, begun)
         fleet, state, first = result.search.fleet, result.state, result.first
         if result.is_closed:
-            run.found(first.cost, finite(result.on_any))
-            return _draft(fleet, state, result, begun, result.on_any)
+            state = turned_to_norms(fleet, state, run.judge)
+            if not fleet.keeps_norms or _is_told(fleet, state, result.on_any):
+                run.found(state.incumbent.cost, finite(result.on_any))
+                return _draft(fleet, state, result, begun, result.on_any)
         if run.limits.reached:
             # All that follows would begin only to end.
             return _draft(fleet, cheaper(state, first), result, begun, result.on_any)
+        found = replace(result, state=state)
+        limits = but_for_certificates(run.limits, judge.seconds)
+        return self._finished(found, planner.gap, replace(run, limits=limits), begun)
+
+    def _finished(self, result: SearchResult, gap: float, run: Run, begun: float) -> Draft:
+        """Make the plan of a search cheaper, and prove how good it is."""
+        fleet, state, first = result.search.fleet, result.state, result.first
         is_left = not state.has_plan or is_outdone(fleet, state, first.cost)
         # In a large fleet turning gains more, and a search tree is kept for each of its sets.
-        if state.has_plan and not (fleet.is_large or is_left):
+        if state.has_plan and not (fleet.is_large or is_left or result.is_closed):
             state = close_gap(result.search.within, state)
-        run = replace(run, limits=but_for_certificates(run.limits, judge.seconds))
         best = first if first.cost < state.incumbent.cost else state.incumbent
-        tell(run, best.cost, reported_bound(fleet, state, planner.gap))
+        tell(run, best.cost, reported_bound(fleet, state, gap))
         run.improved(best.controls)
         run.progress("improving", 0, 1)
         # Turning and the proof build what they need of them, and both take memory of their own.
         fleet.programs.forget()
         improving = fleet.with_limits(but_for_proof(run.limits, time.perf_counter() - begun))
-        state = improved(improving, state, first, run.judge)
-        state = searched_nearby(improving, state, run)
+        if not result.is_closed:
+            state = improved(improving, state, first, run.judge)
+            state = searched_nearby(improving, state, run)
+            state = turned_to_norms(improving, state, run.judge)
         state, on_any = self._proven(improving, state, result, run, is_left=is_left)
         draft = _draft(fleet, state, result, begun, on_any)
         return replace(draft, stopped_by=draft.stopped_by or run.limits.reason or None)
@@ -152,7 +162,7 @@ class Certified(Decomposition):
         if self.proof_seconds is not None:
             most_nodes = float("inf")
             fleet = fleet.with_limits(fleet.limits.within(self.proof_seconds))
-        outside = outside_norms_of(fleet)
+        outside = outside_norms_of(fleet, state.incumbent.controls)
         proof = bound_on_any(outside, state.incumbent, price, most_nodes, proven)
         return replace(proof, is_outside=outside is not fleet)
 
@@ -164,6 +174,12 @@ def _nodes_of_proof(fleet: Fleet, state: SearchState, is_timed: bool) -> float:
     searched = sum(each.all_nodes for each in state.set_states.values())
     few = min(fleet.scenario.num_vehicles, PROOF_TUNING.most_together)
     return max(PROOF_TUNING.least_nodes * few, PROOF_TUNING.node_share * searched)
+
+
+def _is_told(fleet: Fleet, state: SearchState, on_any: float) -> bool:
+    """Whether bounds that hold for the norms themselves are within the gap asked for."""
+    bound = max(reported_bound(fleet, state, fleet.gap), on_any)
+    return relative_gap(state.incumbent.cost, bound) <= fleet.gap
 
 
 def _draft(
@@ -193,7 +209,8 @@ def _draft(
 
 def _empty(scenario: Scenario, answer: WhyNot, begun: float) -> Draft:
     """Return a draft without a plan that says why there is none."""
-    status = Status.INFEASIBLE if answer.is_proven else Status.LIMIT
-    sets = (tuple(range(scenario.num_vehicles)),) if answer.is_proven else ()
+    is_proven = answer.is_proven and holds_outside_norms(scenario)
+    status = Status.INFEASIBLE if is_proven else Status.LIMIT
+    sets = (tuple(range(scenario.num_vehicles)),) if is_proven else ()
     seconds = {"sets": time.perf_counter() - begun}
     return Draft(status, (), sets, (), (), seconds, answer.explanation)

@@ -163,6 +163,14 @@ class Fleet:
         return self.scenario.num_vehicles > TUNING.sets.many
 
     @property
+    def keeps_norms(self) -> bool:
+        """Whether norms of controls or speeds are limited, which programs keep by polytopes."""
+        return any(
+            vehicle.control_norm is not None or vehicle.speed_norm is not None
+            for vehicle in self.scenario.vehicles
+        )
+
+    @property
     def singles(self) -> tuple[Members, ...]:
         """The partition in which every vehicle is alone."""
         return tuple((i,) for i in range(self.scenario.num_vehicles))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.geometry import inner_faces
 from radmpc.program.condensed import CondensedModel
+from radmpc.program.limits.norms import control_norm_rows, speed_norm_rows
 from radmpc.records import dataclass
 from radmpc.sparse_rows import SparseBlock, sparse_block
 
-__all__ = ["HardRows", "hard_rows", "keeps_hard_rows", "norm_rows", "split_hard_rows"]
+__all__ = ["HardRows", "hard_rows", "keeps_hard_rows", "split_hard_rows"]
 
 _TOL = 1e-7
 """What controls, speeds and goals may be missed by and count as kept [m, m/s, control]: linear
@@ -114,54 +114,14 @@ def keeps_hard_rows(model: CondensedModel, controls: Matrix) -> bool:
     return bool(np.all((at >= lower - _TOL) & (at <= upper + _TOL)))
 
 
-def norm_rows(model: CondensedModel) -> tuple[tuple[Matrix, Matrix], ...]:
-    """Return the rows of polytopes within the limits of norms, and what they are at most.
-
-    Parameters
-    ----------
-    model : CondensedModel
-        The vehicle.
-
-    Returns
-    -------
-    tuple of ((T*f, T*m) and (T, f) array)
-        Of controls, then of speeds at steps 1..T, as far as their norms are limited: rows over the
-        controls, step by step, and upper bounds.
-    """
-    return (*_control_rows(model), *_speed_rows(model))
-
-
-def _control_rows(model: CondensedModel) -> tuple[tuple[Matrix, Matrix], ...]:
-    """Return those of controls, if any."""
-    if model.face_bounds is None:
-        return ()
-    last = model.horizon
-    normals, _ = inner_faces(model.position.shape[2] // last)
-    rows: Matrix = np.asarray(np.kron(np.eye(last), normals), dtype=np.float64)
-    return ((rows, model.face_bounds),)
-
-
-def _speed_rows(model: CondensedModel) -> tuple[tuple[Matrix, Matrix], ...]:
-    """Return those of speeds, if any."""
-    limit = model.vehicle.speed_norm
-    if limit is None or model.velocity is None:
-        return ()
-    normals, share = inner_faces(model.vehicle.system.dimension)
-    rows: Matrix = (normals @ model.velocity[1:]).reshape(-1, model.position.shape[2])
-    idle: Matrix = np.zeros((model.horizon, len(normals)))
-    if model.drift_velocity is not None:
-        idle = model.drift_velocity[1:] @ normals.T
-    return ((rows, share * limit - idle),)
-
-
 def _binding_norm_rows(model: CondensedModel) -> tuple[Matrix, Vector]:
     """Return them without those of speeds that cannot bind, and what they are at most."""
     rows: list[Matrix] = [np.zeros((0, model.position.shape[2]))]
     uppers: list[Vector] = [np.zeros(0)]
-    for faces, most in _control_rows(model):
+    for faces, most in control_norm_rows(model):
         rows.append(faces)
         uppers.append(most.ravel())
-    for faces, most in _speed_rows(model):
+    for faces, most in speed_norm_rows(model):
         left = most.ravel()
         binding = np.abs(faces) @ np.maximum(model.control_bounds, 0.0).ravel() > left
         rows.append(faces[binding])

@@ -20,8 +20,8 @@ from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths, arched
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.hard import keeps_hard_rows
 from radmpc.program.hazards import Hazards
+from radmpc.program.limits.hard import keeps_hard_rows
 
 CLEARANCE = 3.0
 

@@ -74,7 +74,7 @@ def prove_ahead(
     Ahead
         Where it is not closed, the search over faces is next.
     """
-    outside = outside_norms_of(fleet)
+    outside = outside_norms_of(fleet, first.controls)
     base = float(sum(outside.base))
     state = replace(SearchState.of(fleet), incumbent=replace(first, sets=_kept_together(fleet)))
     if relative_gap(first.cost, base) <= fleet.gap:

@@ -9,8 +9,9 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.phases.tuning import TUNING
 from radmpc.planners.certified.proof.grouping import Proven, grows_after
+from radmpc.planners.certified.proof.norms import outside_norms_of
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
-from radmpc.planners.certified.state.bounds import is_proven, shadow_price
+from radmpc.planners.certified.state.bounds import reported_bound, shadow_price
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.verdict import Judge
 from radmpc.records import replace
@@ -55,10 +56,9 @@ def bound_faces(
         return state
     from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - not who meets nobody
 
-    base = float(sum(fleet.base))
-    search = BoundSearch(
-        fleet, state.incumbent, price, base, most_nodes, is_by_faces=True, below=below
-    )
+    outside = outside_norms_of(fleet, state.incumbent.controls)
+    begin = state.incumbent, price, float(sum(outside.base)), most_nodes
+    search = BoundSearch(outside, *begin, is_by_faces=True, below=below)
     search.run()
     return _with_bound(state, left, search.best)
 
@@ -87,34 +87,41 @@ def bound_faces_of_each(
     """
     left = fleet.scenario.risk_bound - fleet.initial
     is_asked = not (fleet.is_large or fleet.scenario.has_windows)
-    if left <= 0.0 or not is_asked or fleet.limits.reached or is_proven(fleet, state):
+    if left <= 0.0 or not is_asked or fleet.limits.reached or _is_told(fleet, state):
         return state
     from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - few need it
 
     price = shadow_price(fleet, state)
     if price is None:
         price = fleet.first_unit_price(state.budget) / fleet.unit
-    base, incumbent = float(sum(fleet.base)), state.incumbent
-    search = BoundSearch(fleet, incumbent, price, base, most_nodes, is_by_faces=True)
+    outside, incumbent = outside_norms_of(fleet, state.incumbent.controls), state.incumbent
+    base = float(sum(outside.base))
+    search = BoundSearch(outside, incumbent, price, base, most_nodes, is_by_faces=True)
     _move_price(search, fleet.singles, TUNING.efforts_for_price)
     _move_price(search, fleet.singles, TUNING.efforts_alone)
-    state = _turned_to_alone(search, state, judge)
+    state = _turned_to_alone(fleet, search, state, judge)
     if not search.is_over:
         from radmpc.planners.certified.phases.least_alone import with_least_alone  # noqa: PLC0415 - few need it
 
-        fleet = with_least_alone(fleet, state.incumbent, left)
-        search = _continued(search, fleet)
+        search = _continued(search, with_least_alone(outside, state.incumbent, left))
         _advance(search, fleet.singles, range(TUNING.efforts_alone, TUNING.efforts))
-        state = _turned_to_alone(search, state, judge)
+        state = _turned_to_alone(fleet, search, state, judge)
         _choose_price(search, incumbent.sets, price)
         _advance(search, incumbent.sets, range(TUNING.efforts))
     # Where faces leave no plan at all, the one at hand is best among none.
     return _with_bound(state, left, search.best) if search.best < float("inf") else state
 
 
-def _turned_to_alone(search: BoundSearch, state: SearchState, judge: Judge | None) -> SearchState:
+def _is_told(fleet: Fleet, state: SearchState) -> bool:
+    """Whether what can be told of plans by faces is within the gap asked for."""
+    return relative_gap(state.incumbent.cost, reported_bound(fleet, state, fleet.gap)) <= fleet.gap
+
+
+def _turned_to_alone(
+    fleet: Fleet, search: BoundSearch, state: SearchState, judge: Judge | None
+) -> SearchState:
     """Turn half-spaces to the best that vehicles do alone among obstacles, on other sides."""
-    fleet, incumbent = search.fleet, state.incumbent
+    incumbent = state.incumbent
     if judge is None or fleet.limits.reached or not fleet.scenario.obstacles:
         return state
     from radmpc.planners.certified.phases.sides_alone import turned_to_alone  # noqa: PLC0415 - few need it
@@ -201,5 +208,5 @@ def _advance(search: BoundSearch, sets: tuple[Members, ...], efforts: range) -> 
 
 def _with_bound(state: SearchState, left: float, bound: float) -> SearchState:
     """Return the state with a bound on plans whose union bound comes to what is left of Δ."""
-    bounds = (*state.budget_bounds, (left, min(bound, state.incumbent.cost)))
-    return replace(state, budget_bounds=bounds)
+    bounds = (*state.outside_bounds, (left, min(bound, state.incumbent.cost)))
+    return replace(state, outside_bounds=bounds)

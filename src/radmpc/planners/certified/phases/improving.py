@@ -7,7 +7,12 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.phases.tuning import TUNING as PHASES
 from radmpc.planners.certified.proof.prove import Proof
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
-from radmpc.planners.certified.state.bounds import reported_bound, shadow_price
+from radmpc.planners.certified.state.bounds import (
+    bound_of_programs,
+    finite,
+    reported_bound,
+    shadow_price,
+)
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
@@ -71,14 +76,13 @@ def searched_nearby(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
     if not (is_searched_nearby(fleet.scenario) and state.has_plan) or fleet.limits.reached:
         return state
     found = state.incumbent
-    bound = reported_bound(fleet, state, fleet.gap)
-    gap = relative_gap(found.cost, bound)
-    if gap <= PHASES.ajar:
+    if relative_gap(found.cost, bound_of_programs(fleet, state, fleet.gap)) <= PHASES.ajar:
         return state
     from radmpc.planners.certified.phases.neighborhoods import search_neighborhoods  # noqa: PLC0415 - few need it
 
     share = PHASES.share_in_the_open * fleet.limits.seconds_left
     fleet = fleet.with_limits(fleet.limits.within(share))
+    bound = finite(reported_bound(fleet, state, fleet.gap))
 
     def on_cheaper(cheaper: FleetIncumbent) -> None:
         run.found(cheaper.cost, bound)

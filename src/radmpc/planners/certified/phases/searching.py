@@ -127,7 +127,7 @@ def searched(
         first, on_any, proven = ahead.state.incumbent, ahead.on_any, ahead.proven
         if ahead.is_closed:
             return SearchResult(search, ahead.state, first, None, None, on_any, True)
-        state = replace(state, budget_bounds=ahead.state.budget_bounds)
+        state = replace(state, outside_bounds=ahead.state.outside_bounds)
         begin = _begin_with(first, scenario, begin, run.limits)
         search = PriceSearch.of(fleet.with_limits(begin), run.judge, first.cost)
         fleet = search.fleet

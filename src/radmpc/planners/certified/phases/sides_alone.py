@@ -82,7 +82,8 @@ def turned_to_alone(
         if fleet.limits.reached:
             return state
         if on_other_sides(fleet.programs.hazards, incumbent.controls, chosen, TUNING.same_side):
-            state = turn_to(fleet, state, judge, chosen, price)
+            is_outside = fleet.keeps_norms
+            state = turn_to(fleet, state, judge, chosen, price, is_outside=is_outside)
         # Whom others stopped may find a way once these have moved, too, but not before.
         if number and state.incumbent is incumbent:
             return state

@@ -95,6 +95,8 @@ class Tuning:
         early, those of `parking` prove a ninth of what they prove in the end.
     most_nodes_alone : int
         Nodes of such a program at most [-]: those of `parking` take up to 2,700.
+    norm_turns : int
+        How often polytopes within limits of norms are turned to the plan at most [-].
     """
 
     nodes: int = 50
@@ -132,6 +134,7 @@ class Tuning:
     most_alternatives: int = 1500
     seconds_each: float = 0.008
     most_nodes_alone: int = 20000
+    norm_turns: int = 4
 
 
 TUNING = Tuning()

@@ -9,7 +9,14 @@ from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.solvers.solution import relative_gap
 
-__all__ = ["bound_on_cost", "finite", "is_proven", "reported_bound", "shadow_price"]
+__all__ = [
+    "bound_of_programs",
+    "bound_on_cost",
+    "finite",
+    "is_proven",
+    "reported_bound",
+    "shadow_price",
+]
 
 _TUNED = TUNING.budgets
 
@@ -33,6 +40,27 @@ def bound_on_cost(fleet: Fleet, state: SearchState) -> float:
 
 def reported_bound(fleet: Fleet, state: SearchState, gap: float) -> float:
     """Return a lower bound on the cost of any plan whose union bounds sum to Δ at most.
+
+    Programs keep to polytopes within limits of norms: what they prove does not count there.
+
+    Parameters
+    ----------
+    fleet, state, gap
+        As in `bound_of_programs`.
+
+    Returns
+    -------
+    float
+        As there.
+    """
+    if not fleet.keeps_norms:
+        return bound_of_programs(fleet, state, gap)
+    bounds = [bound for _, bound in state.outside_bounds]
+    return min(max(bounds, default=-np.inf), state.incumbent.cost)
+
+
+def bound_of_programs(fleet: Fleet, state: SearchState, gap: float) -> float:
+    """Return a lower bound on the cost of any plan of the programs within Δ by union bounds.
 
     If the gap is closed, that of all plans whose union bounds sum to no more than the incumbent's:
     it is lower and holds for more plans.
@@ -71,7 +99,7 @@ def finite(bound: float) -> float | None:
 
 
 def is_proven(fleet: Fleet, state: SearchState) -> bool:
-    """Whether no plan within Δ by union bounds is cheaper by more than the gap.
+    """Whether no plan of the programs within Δ by union bounds is cheaper by more than the gap.
 
     Parameters
     ----------
@@ -80,7 +108,8 @@ def is_proven(fleet: Fleet, state: SearchState) -> bool:
     state : SearchState
         What is known of it.
     """
-    return relative_gap(state.incumbent.cost, reported_bound(fleet, state, fleet.gap)) <= fleet.gap
+    bound = bound_of_programs(fleet, state, fleet.gap)
+    return relative_gap(state.incumbent.cost, bound) <= fleet.gap
 
 
 def shadow_price(fleet: Fleet, state: SearchState) -> float | None:
@@ -125,5 +154,6 @@ def shadow_price(fleet: Fleet, state: SearchState) -> float | None:
 def _bound_within(fleet: Fleet, state: SearchState, budget: float) -> float:
     """Return the least cost within a budget."""
     bounds = [least - unit_price * budget / fleet.unit for least, unit_price in state.round_bounds]
-    bounds += [bound for most, bound in state.budget_bounds if budget <= most * (1.0 + 1e-12)]
+    known = (*state.budget_bounds, *state.outside_bounds)
+    bounds += [bound for most, bound in known if budget <= most * (1.0 + 1e-12)]
     return max(bounds, default=-np.inf)

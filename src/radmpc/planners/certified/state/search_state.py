@@ -57,7 +57,9 @@ class SearchState:
     round_bounds : tuple of (float, float)
         Of each round, the least cost plus priced risk of any plan, and the unit price.
     budget_bounds : tuple of (float, float)
-        Budgets [-], and the least cost of any plan within each.
+        Budgets [-], and the least cost of any plan of the programs within each.
+    outside_bounds : tuple of (float, float)
+        The same of plans that keep norms, not polytopes within these; of Δ less the starts.
     steps : tuple of Step
         The record of the rounds.
     """
@@ -75,6 +77,7 @@ class SearchState:
     has_failed: bool = False
     round_bounds: tuple[tuple[float, float], ...] = ()
     budget_bounds: tuple[tuple[float, float], ...] = ()
+    outside_bounds: tuple[tuple[float, float], ...] = ()
     steps: tuple[Step, ...] = ()
 
     @classmethod

@@ -21,7 +21,7 @@ from radmpc.planners.certified.turned.price_control import PriceControl, SafePat
 from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.program.hard import keeps_hard_rows
+from radmpc.program.limits.hard import keeps_hard_rows
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import Limits
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.hard import hard_rows
+from radmpc.program.limits.hard import hard_rows
 from radmpc.records import dataclass
 from radmpc.sparse_rows import SparseBlock, sparse_block
 

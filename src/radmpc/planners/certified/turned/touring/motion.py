@@ -11,10 +11,10 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from radmpc.arrays import Vector
-from radmpc.geometry import inner_faces
 from radmpc.model.goal import Goal
 from radmpc.model.visits import Visit
 from radmpc.program.condensed import CondensedModel
+from radmpc.program.limits.norms import control_normals, on_diagonal, speed_faces
 from radmpc.program.visits.columns import windows_of
 
 __all__ = ["boxes_of", "motion_rows", "norm_rows"]
@@ -69,16 +69,16 @@ def norm_rows(model: CondensedModel) -> tuple[csr_array, Vector]:
     rows = [csr_array((0, 2 * span + 2 * last * d))]
     uppers: list[Vector] = [np.zeros(0)]
     if model.face_bounds is not None:
-        faces = np.kron(np.eye(last), inner_faces(span // last)[0])
+        faces = on_diagonal(control_normals(model))
         rows.append(csr_array(np.hstack([faces, -faces, np.zeros((len(faces), 2 * last * d))])))
         uppers.append(model.face_bounds.ravel())
     if vehicle.speed_norm is not None:
-        normals, share = inner_faces(d)
-        faces = np.kron(np.eye(last), normals)
+        normals, shares = speed_faces(model)
+        faces = on_diagonal(normals)
         rows.append(csr_array(np.hstack([np.zeros((len(faces), 2 * span + last * d)), faces])))
-        limits = np.full((last, len(normals)), share * vehicle.speed_norm)
+        limits = np.tile(shares * vehicle.speed_norm, (last, 1))
         if model.drift_velocity is not None:
-            limits -= model.drift_velocity[1:] @ normals.T
+            limits -= np.einsum("kfd,kd->kf", normals, model.drift_velocity[1:])
         uppers.append(limits.ravel())
     return csr_array(vstack(rows)), np.concatenate(uppers)
 

@@ -18,8 +18,8 @@ from radmpc.planners.certified.turned.touring.leg_steps import steps_by_legs
 from radmpc.planners.certified.turned.touring.tour_lp import TourLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.hard import hard_rows
 from radmpc.program.hazards import Hazards
+from radmpc.program.limits.hard import hard_rows
 from radmpc.program.visits.columns import has_choice_of_arrival
 from radmpc.program.visits.rows import rows_at
 from radmpc.program.visits.steps import at_steps
