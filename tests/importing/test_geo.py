@@ -283,6 +283,7 @@ def test_an_obstacle_with_speed_and_course_is_on_a_track(tmp_path: Path) -> None
         ({"speed_deviation": 3.0}, "speed_deviation: needs course as well"),
         ({"speed": 3.0, "course": "west"}, "course: must be a number, got 'west'"),
         ({"speed": -3.0, "course": 1}, "speed: must be >= 0 m/s"),
+        ({"speed": 3.0, "course": 360}, "course: must be from -180 to below 360 degrees"),
         ({"speed": 3.0, "course": 1, "course_deviation": 40}, "course_deviation: must be at most"),
     ],
 )

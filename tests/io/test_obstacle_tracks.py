@@ -127,6 +127,10 @@ def test_what_is_written_reads_back_equal(moving, tmp_path: Path):
         ),
         ({"outline": DECK, **REPORT, "speed": -1.0}, "moving.speed: must be >= 0 m/s"),
         (
+            {"outline": DECK, **REPORT, "course": 465},
+            "moving.course: must be from -180 to below 360 degrees, got 465",
+        ),
+        (
             {"outline": DECK, **REPORT, "position": [0, 0, 0]},
             "moving.position: must have 2 numbers",
         ),

@@ -13,7 +13,14 @@ SAMPLES = 400_000
 
 @pytest.mark.parametrize(
     ("course", "east", "north"),
-    [(0.0, 0.0, 1.0), (90.0, 1.0, 0.0), (180.0, 0.0, -1.0), (270.0, -1.0, 0.0), (-90.0, -1.0, 0.0)],
+    [
+        (0.0, 0.0, 1.0),
+        (90.0, 1.0, 0.0),
+        (180.0, 0.0, -1.0),
+        (270.0, -1.0, 0.0),
+        (-90.0, -1.0, 0.0),
+        (-180.0, 0.0, -1.0),
+    ],
 )
 def test_a_course_runs_clockwise_from_north(course, east, north):
     start, covariance = track_from_course([7.0, -3.0], 4.0, course)
@@ -58,6 +65,9 @@ def test_deviations_of_the_position_stand_along_its_axes():
     [
         ({"speed": -1.0}, "speed: must be >= 0 m/s, got -1.0"),
         ({"course": float("nan")}, "course: must be a finite number of degrees, got nan"),
+        ({"course": 465.0}, "course: must be from -180 to below 360 degrees, got 465$"),
+        ({"course": -181.5}, "course: must be from -180 to below 360 degrees, got -181.5$"),
+        ({"course": 360.0}, "got 360, which AIS sends where it has no course$"),
         ({"position": [1.0]}, "position: must have 2 numbers, got 1"),
         ({"position_deviation": [1.0, -1.0]}, "position_deviation: must be >= 0 m"),
         ({"course_deviation": 21.0}, "course_deviation: must be at most 20 degrees, got 21"),

@@ -17,6 +17,9 @@ _WIDEST = 20.0
 """Largest standard deviation of a course that is taken as straight [degrees]: the velocity's mean
 is then 6 % too long, and grows worse with the square."""
 
+_LEAST_COURSE, _FULL_TURN = -180.0, 360.0
+"""Least course, and what courses stay below [degrees]: counted from 0, or from -180 to 180."""
+
 
 def track_from_course(
     position: npt.ArrayLike,
@@ -43,7 +46,8 @@ def track_from_course(
     speed : float
         Over ground [m/s], >= 0; a knot is 0.5144 m/s.
     course : float
-        Over ground, clockwise from north (+y) [degrees].
+        Over ground, clockwise from north (+y) [degrees], from -180 to below 360: 360 is what AIS
+        sends where it has no course.
     position_deviation : float or (2,) array_like
         Standard deviation of the position along each axis [m].
     speed_deviation : float
@@ -74,7 +78,7 @@ def track_from_course(
     """
     place = as_vector(position, 2, ("position",))
     along = _at_least_zero(speed, "speed", "m/s")
-    angle = math.radians(_finite(course, "course", "degrees"))
+    angle = math.radians(_course(course))
     spread = as_axes(position_deviation, 2, ("position_deviation",))
     if np.any(spread < 0.0):
         text = f"must be >= 0 m, got {spread.tolist()}"
@@ -98,6 +102,16 @@ def _finite(value: float, name: str, unit: str) -> float:
     number = field_number(value, (name,))
     if not math.isfinite(number):
         raise ScenarioError(f"must be a finite number of {unit}, got {number}", (name,))
+    return number
+
+
+def _course(value: float) -> float:
+    """Return a course within a turn."""
+    number = _finite(value, "course", "degrees")
+    if not _LEAST_COURSE <= number < _FULL_TURN:
+        reason = ", which AIS sends where it has no course" if number == _FULL_TURN else ""
+        allowed = f"from {_LEAST_COURSE:g} to below {_FULL_TURN:g} degrees"
+        raise ScenarioError(f"must be {allowed}, got {number:.9g}{reason}", ("course",))
     return number
 
 
