@@ -5,24 +5,31 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import chdtrc, stdtrit
+from scipy.special import stdtrit
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Indices, Matrix
 from radmpc.identification.intervals import (
     LEVEL,
     SIGMAS,
     Interval,
     covariance_interval,
     normal_interval,
+    placed,
     widened,
 )
-from radmpc.identification.measurement import by_another_sensor, by_spectrum, not_negative
+from radmpc.identification.measurement import measured_noise
 from radmpc.identification.model import StepModel
-from radmpc.identification.regression import Fit, fit
-from radmpc.identification.segments import Evidence, Segment, Transitions, stacked
+from radmpc.identification.regression import Fit, feedback, feedback_chance, fit, time_constant
+from radmpc.identification.segments import (
+    Evidence,
+    Segment,
+    Transitions,
+    moving_axes,
+    stacked,
+)
 from radmpc.identification.small_sample import without_bias
 from radmpc.identification.tails import Tails, tails, variance_ratios
-from radmpc.identification.whiteness import Autocorrelation, autocorrelation, whitened
+from radmpc.identification.whiteness import LEAST_CHANGE, Autocorrelation, autocorrelation, whitened
 from radmpc.records import dataclass, replace
 
 __all__ = ["Estimate", "estimate"]
@@ -55,7 +62,7 @@ class Estimate:
     has_drift : bool
         Whether chance hardly makes it.
     gain : Interval or None
-        Feedback K, (d, n); None where it cannot be told.
+        Feedback K, (d, n), without ends along axes that never move; None where it cannot be told.
     gain_chance : float
         Probability of such residuals if the closed loop is that of a double integrator with
         feedback [-]; NaN where that was not tried.
@@ -109,6 +116,52 @@ def estimate(
         Correlation of the noise between vehicles at equal times [-]: steps that they share tell
         less.
     """
+    y, _, _ = stacked([segment for one in group for segment in one.segments])
+    axes = moving_axes(y, model)
+    if len(axes) == model.dimension:
+        return _of_moving(group, model, evidence, share)
+    bare = [one.along(axes, model) for one in group]
+    found = _of_moving(bare, replace(model, dimension=len(axes)), evidence, share)
+    return _beside_still(found, y, axes, model, evidence)
+
+
+def _beside_still(
+    found: Estimate, y: Matrix, axes: Indices, model: StepModel, evidence: Evidence
+) -> Estimate:
+    """Return what was found of some axes with those that never move beside them."""
+    n, means = model.num_states, y.mean(axis=0)
+    states = model.states_along(axes)
+    square, nothing = np.ix_(states, states), Interval(*np.zeros((3, n, n)))
+    unknown = np.full((model.dimension, n), np.inf)
+    drift, has_drift = _current(y, model), False
+    if evidence != "states":
+        drift = placed(found.drift, Interval(means, means, means), (states,))
+        still = np.delete(means, states)
+        has_drift = bool(np.any(np.abs(still) > LEAST_CHANGE * y.std(axis=0).max()))
+    gain, measurement = found.gain, found.measurement
+    if gain is not None:
+        around = Interval(np.zeros(unknown.shape), -unknown, unknown)
+        gain = placed(gain, around, np.ix_(axes, states))
+    noise = []
+    for name, first, rows in found.noise:
+        wide = np.zeros((len(rows), n))
+        wide[:, states] = rows
+        noise.append((name, first, wide))
+    return replace(
+        found,
+        covariance=placed(found.covariance, nothing, square),
+        drift=drift,
+        has_drift=found.has_drift or has_drift,
+        gain=gain,
+        measurement=None if measurement is None else placed(measurement, nothing, square),
+        noise=tuple(noise),
+    )
+
+
+def _of_moving(
+    group: Sequence[Transitions], model: StepModel, evidence: Evidence, share: float
+) -> Estimate:
+    """Return what a group has in common, all axes of which move."""
     all_segments = [segment for one in group for segment in one.segments]
     y, h, follows = stacked(all_segments)
     found = fit(y, h, follows, model.B, has_color=False)
@@ -119,7 +172,11 @@ def estimate(
         found = fit(y, h, follows, model.B, has_color=True)
     elif evidence == "references":
         found = without_bias(found, h, follows, model)
-    measured = _measured(found, all_segments, model, first) if evidence == "commands" else None
+    measured = None
+    if evidence == "commands":
+        pieces, opposes = _pieces(found.noise, all_segments), first.first_score < -SURE
+        offsets = [segment.offset for segment in all_segments]
+        measured = measured_noise(pieces, offsets, model, opposes=opposes)
     kind = None if evidence == "states" else tails(whitened(found.innovations))
     more = (len(group) - 1) * max(share, 0.0)
     found = _widened(found, np.sqrt(1.0 + more), np.sqrt(1.0 + more * max(share, 0.0)))
@@ -134,10 +191,10 @@ def estimate(
         covariance=covariance,
         drift=drift,
         has_drift=has_drift,
-        gain=_gain(found, group, evidence),
-        gain_chance=_feedback_chance(found, y, h, follows) if h.shape[1] else float("nan"),
+        gain=feedback(found, group, evidence),
+        gain_chance=feedback_chance(found, y, h, follows) if h.shape[1] else float("nan"),
         color=found.color,
-        time_constant=_time_constant(found, model.dt),
+        time_constant=time_constant(found, model.dt),
         measurement=None if measured is None else measured[1],
         tails=kind,
         autocorrelation=first,
@@ -208,92 +265,18 @@ def _drift(found: Fit, y: Matrix, model: StepModel, evidence: Evidence) -> tuple
         scores = np.abs(found.drift) / np.maximum(sure, 1e-300)
         # As many chances as states to look large.
         return drift, bool(np.any(scores > SURE + 0.25 * np.log2(model.num_states)))
+    return _current(y, model), False
+
+
+def _current(y: Matrix, model: StepModel) -> Interval:
+    """Return the current that positions tell whatever was commanded."""
     value = np.full(model.num_states, np.nan)
     deviation = np.full(model.num_states, np.nan)
     if model.has_velocity:
         d = model.dimension
-        # Whatever was commanded, positions move by the mean of both velocities: the rest is a
+        # Positions move by the mean of both velocities: the rest is a
         # current (exact for commands that are held over the step).
         rest = y[:, :d] - 0.5 * model.dt * y[:, d:]
         value[:d] = rest.mean(axis=0)
         deviation[:d] = rest.std(axis=0) / np.sqrt(len(rest))
-    return normal_interval(value, deviation), False
-
-
-def _gain(found: Fit, group: Sequence[Transitions], evidence: Evidence) -> Interval | None:
-    """Return the feedback, by least squares on what is known of it."""
-    if evidence == "references":
-        return normal_interval(found.gain, found.gain_deviation)
-    pairs = [
-        (one.deviations, one.corrections)
-        for one in group
-        if one.deviations is not None and one.corrections is not None
-    ]
-    if evidence != "commands" or len(pairs) < len(group):
-        return None
-    h = np.concatenate([deviations for deviations, _ in pairs])
-    y = np.concatenate([corrections for _, corrections in pairs])
-    h, y = h - h.mean(axis=0), y - y.mean(axis=0)
-    gain = np.linalg.lstsq(h, y, rcond=None)[0].T
-    rest = y - h @ gain.T
-    variances = np.sum(rest**2, axis=0) / max(len(y) - h.shape[1] - 1, 1)
-    inverse = np.diag(np.linalg.pinv(h.T @ h, hermitian=True))
-    return normal_interval(gain, np.sqrt(np.outer(variances, np.maximum(inverse, 0.0))))
-
-
-def _feedback_chance(found: Fit, y: Matrix, h: Matrix, follows: Vector) -> float:
-    """Return the chance of such residuals if position and velocity are driven by K alone."""
-    color, d = found.color, found.gain.shape[0]
-    n, q = y.shape[1], h.shape[1]
-    if n == d:
-        return float("nan")
-    pairs = np.flatnonzero(follows) if color != 0.0 else np.arange(len(y))
-    z = y[pairs] - color * y[pairs - 1] if color != 0.0 else y
-    g = h[pairs] - color * h[pairs - 1] if color != 0.0 else h
-    z, g = z - z.mean(axis=0), g - g.mean(axis=0)
-    rest = z - g @ np.linalg.lstsq(g, z, rcond=None)[0]
-    bound = found.innovations - found.innovations.mean(axis=0)
-    gained = np.linalg.slogdet(bound.T @ bound)[1] - np.linalg.slogdet(rest.T @ rest)[1]
-    statistic = max((len(z) - q - 1) * gained, 0.0) if np.isfinite(gained) else 0.0
-    return float(chdtrc(q * (n - d), statistic))
-
-
-def _time_constant(found: Fit, dt: float) -> Interval | None:
-    """Return τ of ρ = exp(−dt/τ)."""
-    if found.color <= 0.0:
-        return None
-    # Of an autocorrelation's arcsine the deviation is nearly the same everywhere.
-    angle = float(np.arcsin(found.color))
-    turned = normal_interval(angle, found.color_deviation / np.sqrt(1.0 - found.color**2))
-    parts = (turned.value, turned.low, turned.high)
-    colors = np.clip(np.sin(np.clip(parts, 0.0, 0.5 * np.pi)), 1e-9, 1.0 - 1e-9)
-    ends = [-dt / np.log(color) for color in colors]
-    return Interval(*map(np.asarray, ends))
-
-
-def _measured(
-    found: Fit, all_segments: Sequence[Segment], model: StepModel, first: Autocorrelation
-) -> tuple[Interval, Interval] | None:
-    """Return disturbance and measurement noise where there is a sign of the latter."""
-    pieces = _pieces(found.noise, all_segments)
-    offsets = [segment.offset for segment in all_segments]
-    if all(offset is not None for offset in offsets):
-        return _by_two(found, np.concatenate([o for o in offsets if o is not None]), model)
-    return by_spectrum(pieces, model.A) if first.first_score < -SURE else None
-
-
-def _by_two(found: Fit, offsets: Matrix, model: StepModel) -> tuple[Interval, Interval] | None:
-    """Return the same where a second sensor was logged."""
-    d, n = model.dimension, model.num_states
-    seen = by_another_sensor(found.noise[:, :d], offsets)
-    if not np.any(np.diag(seen.low) > 0.0):
-        return None
-    value, width = np.zeros((n, n)), np.zeros((n, n))
-    value[:d, :d], width[:d, :d] = seen.value, seen.high - seen.value
-    steps = len(found.noise)
-    total = found.noise.T @ found.noise / max(steps - 1, 1)
-    W = total - value - model.A @ value @ model.A.T
-    own = covariance_interval(total, float(steps))
-    # Both parts are uncertain; they hang together little where W is not small beside R.
-    deviation = np.hypot(0.5 * (own.high - own.low), width + model.A @ width @ model.A.T)
-    return not_negative(W, deviation), Interval(value, value - width, value + width)
+    return normal_interval(value, deviation)

@@ -264,7 +264,7 @@ def _differ(pooled: Estimate, each: Sequence[Estimate]) -> bool:
     if len(gains) == len(each):
         values = np.array([gain.value for gain in gains])
         widths = np.array([gain.high - gain.value for gain in gains]) / 1.96
-        variances = np.maximum(widths**2, 1e-300)
+        variances = np.clip(widths**2, 1e-300, 1e300)
         center = np.sum(values / variances, axis=0) / np.sum(1.0 / variances, axis=0)
         # Gains that a program computed are exact: differences in their last digits are none.
         apart = np.abs(values - center) > 1e-6 * np.abs(center).max()

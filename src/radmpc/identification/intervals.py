@@ -6,10 +6,18 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import chdtri, ndtri
 
-from radmpc.arrays import Frozen, Matrix, Vector, frozen
+from radmpc.arrays import Frozen, Indices, Matrix, Vector, frozen
 from radmpc.records import dataclass
 
-__all__ = ["LEVEL", "SIGMAS", "Interval", "covariance_interval", "normal_interval", "widened"]
+__all__ = [
+    "LEVEL",
+    "SIGMAS",
+    "Interval",
+    "covariance_interval",
+    "normal_interval",
+    "placed",
+    "widened",
+]
 
 LEVEL = 0.95
 """Confidence of every interval [-]."""
@@ -93,3 +101,21 @@ def widened(covariance: Interval, least: float, most: float) -> Interval:
     np.fill_diagonal(low, np.minimum(np.diag(low), variances / most))
     np.fill_diagonal(high, np.maximum(np.diag(high), variances / least))
     return Interval(covariance.value, low, high)
+
+
+def placed(part: Interval, around: Interval, places: tuple[Indices, ...]) -> Interval:
+    """Return an interval of which some entries are those of another.
+
+    Parameters
+    ----------
+    part : Interval
+        The entries.
+    around : Interval
+        What the others stay.
+    places : tuple of arrays
+        Indices of the entries, as NumPy takes them.
+    """
+    ends = [np.array(getattr(around, name)) for name in ("value", "low", "high")]
+    for end, name in zip(ends, ("value", "low", "high"), strict=True):
+        end[places] = getattr(part, name)
+    return Interval(*ends)

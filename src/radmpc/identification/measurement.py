@@ -12,12 +12,58 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.identification.intervals import Interval, normal_interval
+from radmpc.identification.intervals import Interval, covariance_interval, normal_interval
+from radmpc.identification.model import StepModel
 from radmpc.identification.sharing import nearest_covariance
 from radmpc.identification.spectra import LEAST_RUN, spectra
 from radmpc.identification.whittle import Whittle
 
-__all__ = ["by_another_sensor", "by_spectrum", "not_negative"]
+__all__ = ["by_another_sensor", "by_spectrum", "measured_noise", "not_negative"]
+
+
+def measured_noise(
+    pieces: Sequence[Matrix], offsets: Sequence[Matrix | None], model: StepModel, *, opposes: bool
+) -> tuple[Interval, Interval] | None:
+    """Return disturbance and measurement noise where there is a sign of the latter.
+
+    Parameters
+    ----------
+    pieces : sequence of (k, n) array
+        Residuals with mean zero, a piece per run without a gap.
+    offsets : sequence of (k, d) array or None
+        For each piece the first sensor less the second at the beginning of every step [m]; None
+        where there was no second one.
+    model : StepModel
+        Dynamics.
+    opposes : bool
+        Whether residuals of successive steps oppose each other beyond chance.
+
+    Returns
+    -------
+    tuple of Interval or None
+        W and R.
+    """
+    known = [offset for offset in offsets if offset is not None]
+    if len(known) == len(offsets):
+        return _by_two(np.concatenate(pieces), np.concatenate(known), model)
+    return by_spectrum(pieces, model.A) if opposes else None
+
+
+def _by_two(noise: Matrix, offsets: Matrix, model: StepModel) -> tuple[Interval, Interval] | None:
+    """Return the same where a second sensor was logged."""
+    d, n = model.dimension, model.num_states
+    seen = by_another_sensor(noise[:, :d], offsets)
+    if not np.any(np.diag(seen.low) > 0.0):
+        return None
+    value, width = np.zeros((n, n)), np.zeros((n, n))
+    value[:d, :d], width[:d, :d] = seen.value, seen.high - seen.value
+    steps = len(noise)
+    total = noise.T @ noise / max(steps - 1, 1)
+    W = total - value - model.A @ value @ model.A.T
+    own = covariance_interval(total, float(steps))
+    # Both parts are uncertain; they hang together little where W is not small beside R.
+    deviation = np.hypot(0.5 * (own.high - own.low), width + model.A @ width @ model.A.T)
+    return not_negative(W, deviation), Interval(value, value - width, value + width)
 
 
 def by_spectrum(pieces: Sequence[Matrix], A: Matrix) -> tuple[Interval, Interval] | None:

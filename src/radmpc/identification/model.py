@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Indices, Matrix
 from radmpc.records import dataclass
 
 __all__ = ["StepModel"]
@@ -46,3 +46,18 @@ class StepModel:
     def num_states(self) -> int:
         """Length n of the state."""
         return 2 * self.dimension if self.has_velocity else self.dimension
+
+    def states_along(self, axes: Indices) -> Indices:
+        """Return where the states of some axes stand.
+
+        Parameters
+        ----------
+        axes : (k,) array
+            Numbers of axes.
+
+        Returns
+        -------
+        (k,) or (2 k,) array
+            Positions, then velocities if these are part of the state.
+        """
+        return np.concatenate([axes, axes + self.dimension]) if self.has_velocity else axes

@@ -7,13 +7,18 @@ first step of every segment.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.optimize import minimize_scalar
+from scipy.special import chdtrc
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.identification.intervals import Interval, normal_interval
+from radmpc.identification.segments import Evidence, Transitions
 from radmpc.records import dataclass
 
-__all__ = ["Fit", "fit"]
+__all__ = ["Fit", "feedback", "feedback_chance", "fit", "time_constant"]
 
 _MOST_COLOR = 0.995
 """Largest autocorrelation [-] from step to step that is looked for: beyond it noise and drift
@@ -129,7 +134,7 @@ def _finished(
     J = np.concatenate(columns, axis=2)
     weight = _inverse(innovations)
     information = np.einsum("kij,il,klm->jm", J, weight, J, optimize=True)
-    deviations = np.sqrt(np.maximum(np.diag(np.linalg.pinv(information, hermitian=True)), 0.0))
+    deviations = _deviations(information)
     color_deviation = deviations[-1] if color != 0.0 else float("nan")
     # Least squares and the mean that is taken away make it look smaller (Kendall 1954); what all
     # axes have in common counts once, the mean of each by itself.
@@ -145,6 +150,18 @@ def _finished(
         noise=noise,
         innovations=innovations,
     )
+
+
+def _deviations(information: Matrix) -> Vector:
+    """Return the deviations that an information matrix leaves, whatever the units of its entries.
+
+    A state that hardly has noise is known so well that a plain pseudo-inverse takes what is known
+    of the others for rounding.
+    """
+    sizes = np.sqrt(np.diag(information))
+    scale = np.where(sizes > 0.0, sizes, 1.0)
+    inverse = np.linalg.pinv(information / np.outer(scale, scale), hermitian=True)
+    return np.asarray(np.sqrt(np.maximum(np.diag(inverse), 0.0)) / scale)
 
 
 def _inverse(residuals: Matrix) -> Matrix:
@@ -170,3 +187,90 @@ def _variances(covariance: Matrix) -> Vector:
     """Return the diagonal, where it is zero a tiny share of the largest."""
     variances = np.diag(covariance)
     return np.maximum(variances, max(1e-20 * float(variances.max(initial=0.0)), 1e-200))
+
+
+def feedback(found: Fit, group: Sequence[Transitions], evidence: Evidence) -> Interval | None:
+    """Return the feedback, by least squares on what is known of it.
+
+    Parameters
+    ----------
+    found : Fit
+        Of the group's steps.
+    group : sequence of Transitions
+        Of vehicles with the same feedback.
+    evidence : {'commands', 'references', 'states'}
+        What explains their transitions.
+
+    Returns
+    -------
+    Interval or None
+        K, (d, n); None where it cannot be told.
+    """
+    if evidence == "references":
+        return normal_interval(found.gain, found.gain_deviation)
+    pairs = [
+        (one.deviations, one.corrections)
+        for one in group
+        if one.deviations is not None and one.corrections is not None
+    ]
+    if evidence != "commands" or len(pairs) < len(group):
+        return None
+    h = np.concatenate([deviations for deviations, _ in pairs])
+    y = np.concatenate([corrections for _, corrections in pairs])
+    h, y = h - h.mean(axis=0), y - y.mean(axis=0)
+    gain = np.linalg.lstsq(h, y, rcond=None)[0].T
+    rest = y - h @ gain.T
+    variances = np.sum(rest**2, axis=0) / max(len(y) - h.shape[1] - 1, 1)
+    inverse = np.diag(np.linalg.pinv(h.T @ h, hermitian=True))
+    return normal_interval(gain, np.sqrt(np.outer(variances, np.maximum(inverse, 0.0))))
+
+
+def feedback_chance(found: Fit, y: Matrix, h: Matrix, follows: Vector) -> float:
+    """Return the chance of such residuals if position and velocity are driven by K alone.
+
+    Parameters
+    ----------
+    found : Fit
+        Of the steps.
+    y, h, follows : (N, n), (N, q), (N,) array
+        As it was fitted to.
+
+    Returns
+    -------
+    float
+        NaN without velocities.
+    """
+    color, d = found.color, found.gain.shape[0]
+    n, q = y.shape[1], h.shape[1]
+    if n == d:
+        return float("nan")
+    pairs = np.flatnonzero(follows) if color != 0.0 else np.arange(len(y))
+    z = y[pairs] - color * y[pairs - 1] if color != 0.0 else y
+    g = h[pairs] - color * h[pairs - 1] if color != 0.0 else h
+    z, g = z - z.mean(axis=0), g - g.mean(axis=0)
+    rest = z - g @ np.linalg.lstsq(g, z, rcond=None)[0]
+    bound = found.innovations - found.innovations.mean(axis=0)
+    gained = np.linalg.slogdet(bound.T @ bound)[1] - np.linalg.slogdet(rest.T @ rest)[1]
+    statistic = max((len(z) - q - 1) * gained, 0.0) if np.isfinite(gained) else 0.0
+    return float(chdtrc(q * (n - d), statistic))
+
+
+def time_constant(found: Fit, dt: float) -> Interval | None:
+    """Return τ of ρ = exp(−dt/τ) [s]; None without color.
+
+    Parameters
+    ----------
+    found : Fit
+        With its color.
+    dt : float
+        Step [s].
+    """
+    if found.color <= 0.0:
+        return None
+    # Of an autocorrelation's arcsine the deviation is nearly the same everywhere.
+    angle = float(np.arcsin(found.color))
+    turned = normal_interval(angle, found.color_deviation / np.sqrt(1.0 - found.color**2))
+    parts = (turned.value, turned.low, turned.high)
+    colors = np.clip(np.sin(np.clip(parts, 0.0, 0.5 * np.pi)), 1e-9, 1.0 - 1e-9)
+    ends = [-dt / np.log(color) for color in colors]
+    return Interval(*map(np.asarray, ends))

@@ -9,10 +9,20 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.identification.model import StepModel
 from radmpc.identification.sampling import Samples
+from radmpc.identification.whiteness import LEAST_CHANGE
 from radmpc.records import dataclass, replace
 
-__all__ = ["Evidence", "Segment", "Transitions", "segments", "stacked", "without_jumps"]
+__all__ = [
+    "Evidence",
+    "Segment",
+    "Transitions",
+    "moving_axes",
+    "segments",
+    "stacked",
+    "without_jumps",
+]
 
 Evidence = Literal["commands", "references", "states"]
 """What is known beside the states: the commands, where the vehicle was to be, or nothing."""
@@ -96,6 +106,33 @@ class Transitions:
         clock = self.clock if self.clock == other.clock else f"{self.clock}, {other.clock}"
         together = (*self.segments, *other.segments)
         return Transitions(self.name, clock, together, deviations, corrections)
+
+    def along(self, axes: Indices, model: StepModel) -> Transitions:
+        """Return the transitions of some axes alone.
+
+        Parameters
+        ----------
+        axes : (k,) array
+            Numbers of axes.
+        model : StepModel
+            Dynamics of all axes.
+        """
+        states = model.states_along(axes)
+        found = tuple(
+            replace(
+                one,
+                y=one.y[:, states],
+                h=one.h[:, states] if one.h.shape[1] else one.h,
+                offset=None if one.offset is None else one.offset[:, axes],
+            )
+            for one in self.segments
+        )
+        return replace(
+            self,
+            segments=found,
+            deviations=None if self.deviations is None else self.deviations[:, states],
+            corrections=None if self.corrections is None else self.corrections[:, axes],
+        )
 
 
 def segments(samples: Samples, evidence: Evidence) -> Transitions:
@@ -213,3 +250,24 @@ def stacked(all_segments: Sequence[Segment]) -> tuple[Matrix, Matrix, Vector]:
     firsts = np.cumsum([0, *(len(segment.y) for segment in all_segments[:-1])])
     follows[firsts] = 0.0
     return y, h, follows
+
+
+def moving_axes(y: Matrix, model: StepModel) -> Indices:
+    """Return the axes of which any state changes unexplained; if none does, all.
+
+    Parameters
+    ----------
+    y : (N, n) array
+        What dynamics leave unexplained.
+    model : StepModel
+        Dynamics.
+
+    Returns
+    -------
+    (k,) array
+        Their numbers.
+    """
+    deviations = y.std(axis=0)
+    moves = deviations > LEAST_CHANGE * float(deviations.max())
+    axes = np.flatnonzero(moves.reshape(-1, model.dimension).any(axis=0))
+    return axes if axes.size else np.arange(model.dimension)

@@ -131,6 +131,13 @@ def nearest_covariance(matrix: Matrix) -> Matrix:
     matrix : (n, n) array
         Symmetric.
     """
+    kept = np.flatnonzero(matrix.any(axis=1))
+    if kept.size < len(matrix):
+        # States without any noise stay so, to the last digit.
+        found = np.zeros_like(matrix)
+        if kept.size:
+            found[np.ix_(kept, kept)] = nearest_covariance(matrix[np.ix_(kept, kept)])
+        return found
     sizes = np.abs(np.diag(matrix))
     scale = np.sqrt(np.maximum(sizes, max(1e-12 * float(sizes.max()), 1e-200)))
     values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))

@@ -119,8 +119,9 @@ def _hidden(identified: Estimate, model: StepModel) -> str:
     """Return the states whose disturbance may be none."""
     axes = "xyz"[: model.dimension]
     names = [*axes, *(f"v{axis}" for axis in axes)]
-    lows = np.diag(identified.covariance.low)
-    return ", ".join(name for name, low in zip(names, lows, strict=True) if low <= 0.0)
+    lows, highs = np.diag(identified.covariance.low), np.diag(identified.covariance.high)
+    ends = zip(names, lows, highs, strict=True)
+    return ", ".join(name for name, low, high in ends if low <= 0.0 < high)
 
 
 def misfit_of_color(identified: Estimate) -> str | None:

@@ -9,7 +9,10 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.records import dataclass
 
-__all__ = ["Autocorrelation", "autocorrelation", "whitened"]
+__all__ = ["LEAST_CHANGE", "Autocorrelation", "autocorrelation", "whitened"]
+
+LEAST_CHANGE = 1e-9
+"""Share of the largest deviation [-] up to which residuals of a state never change: rounding."""
 
 _MOST_LAGS = 30
 """Lags that are looked at, and drawn."""
@@ -53,7 +56,7 @@ def whitened(residuals: Matrix) -> Matrix:
         With mean zero.
     """
     scale = residuals.std(axis=0)
-    moving = residuals[:, scale > 1e-9 * max(float(scale.max(initial=0.0)), 1e-150)]
+    moving = residuals[:, scale > LEAST_CHANGE * max(float(scale.max(initial=0.0)), 1e-150)]
     if not moving.size:
         return moving
     scaled = moving / moving.std(axis=0)

@@ -12,7 +12,8 @@ from rich.text import Text
 from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.loading import read_plan
 from radmpc.console.output import show, show_json
-from radmpc.console.reports.noise import identification_json, noise_report
+from radmpc.console.reports.noise import noise_report
+from radmpc.console.reports.noise_values import identification_json, plain_array
 from radmpc.console.reports.progress import progress_line
 from radmpc.console.reports.report import facts
 from radmpc.console.running.guard import Code
@@ -244,8 +245,8 @@ def _record(
                 "vehicle": loop.vehicle,
                 "planned": loop.planned.tolist(),
                 "flown": loop.flown.value.tolist(),
-                "low": loop.flown.low.tolist(),
-                "high": loop.flown.high.tolist(),
+                "low": plain_array(loop.flown.low),
+                "high": plain_array(loop.flown.high),
                 "differs": loop.differs,
             }
             for loop in found.loops

@@ -11,7 +11,8 @@ from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.options import named_options
 from radmpc.console.output import show, show_json
 from radmpc.console.picture import check_picture, drawing
-from radmpc.console.reports.noise import identification_json, noise_report
+from radmpc.console.reports.noise import noise_report
+from radmpc.console.reports.noise_values import identification_json
 from radmpc.console.running.guard import Code
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.identification import Identification, identify

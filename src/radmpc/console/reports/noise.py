@@ -1,11 +1,10 @@
-"""Identified noise on one screen, and as plain values."""
+"""Identified noise on one screen."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-import numpy.typing as npt
 from rich.table import Table
 from rich.text import Text
 
@@ -16,10 +15,9 @@ from radmpc.identification.intervals import Interval
 from radmpc.identification.tails import Tails
 from radmpc.identification.unknown import misfit_of_color
 from radmpc.importing.logs.applying import recorded
-from radmpc.importing.logs.block import noise_block
 from radmpc.wording import count_text
 
-__all__ = ["identification_json", "noise_report", "tails_sentence"]
+__all__ = ["noise_report", "tails_sentence"]
 
 _MOST_GROUPS = 8
 """Vehicles that a table lists by themselves; the rest stands in the file."""
@@ -181,7 +179,7 @@ def _gains(gain: Interval, names: Sequence[str], has_velocity: bool) -> Iterator
     for i in range(d):
         for j, name in enumerate(names):
             is_sure = gain.low[i, j] > 0.0 or gain.high[i, j] < 0.0
-            if j % d == i or is_sure:
+            if (j % d == i or is_sure) and np.isfinite(gain.high[i, j]):
                 unit = "1/s²" if order == 2 and j < d else "1/s"
                 entry = (gain.value[i, j], gain.low[i, j], gain.high[i, j])
                 yield _row(
@@ -224,77 +222,3 @@ def _root(name: str, covariance: Interval, i: int, unit: str) -> Row:
 def _row(name: str, value: float, low: float, high: float, unit: str) -> Row:
     """Return a row of a table."""
     return name, f"{value:.3g}", f"{low:.3g} to {high:.3g}", unit
-
-
-def identification_json(identified: Identification) -> dict[str, object]:
-    """Return what was identified as plain values.
-
-    Parameters
-    ----------
-    identified : Identification
-        What logs tell.
-    """
-    block = noise_block(identified)
-    shared = identified.shared
-    return {
-        "logs": list(identified.sources),
-        "recorded": None if identified.start is None else recorded(identified.start),
-        "dt": identified.model.dt,
-        "dimension": identified.model.dimension,
-        "model": "double_integrator" if identified.model.has_velocity else "single_integrator",
-        "evidence": identified.evidence,
-        "differ": identified.differ,
-        "groups": [_group_json(one) for one in identified.groups],
-        "shared": None
-        if shared is None
-        else {
-            "vehicles": list(shared.vehicles),
-            "is_sure": shared.is_sure,
-            "share": _interval_json(shared.share),
-            "covariance": _interval_json(shared.covariance),
-        },
-        "block": dict(block.content),
-        "pending": dict(block.pending),
-        "unknown": list(identified.unknown),
-        "warnings": list(identified.warnings),
-    }
-
-
-def _group_json(one: Estimate) -> dict[str, object]:
-    """Return one estimate as plain values."""
-    kind = one.tails
-    return {
-        "vehicles": list(one.vehicles),
-        "steps": one.num_steps,
-        "independent_steps": one.worth,
-        "covariance": _interval_json(one.covariance),
-        "drift": _interval_json(one.drift),
-        "has_drift": one.has_drift,
-        "gain": _interval_json(one.gain),
-        "time_constant": _interval_json(one.time_constant),
-        "measurement": _interval_json(one.measurement),
-        "gaussian": None if kind is None else kind.is_gaussian,
-        "anderson_darling": None if kind is None else kind.chance,
-        "excess_kurtosis": None if kind is None else kind.excess_kurtosis,
-        "freedom": None
-        if kind is None
-        else {
-            "value": _plain(np.array(kind.freedom)),
-            "low": _plain(np.array(kind.freedom_low)),
-            "high": _plain(np.array(kind.freedom_high)),
-        },
-    }
-
-
-def _interval_json(interval: Interval | None) -> dict[str, object] | None:
-    """Return values and ends."""
-    if interval is None:
-        return None
-    return {name: _plain(getattr(interval, name)) for name in ("value", "low", "high")}
-
-
-def _plain(array: npt.NDArray[np.float64]) -> object:
-    """Return an array as lists; what is not finite is null."""
-    if array.ndim == 0:
-        return float(array) if np.isfinite(array) else None
-    return [_plain(part) for part in array]

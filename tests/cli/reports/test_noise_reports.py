@@ -1,0 +1,40 @@
+"""What `identify` tells of logs with an axis that never moves, and of vehicles that differ."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cli.conftest import Run
+from radmpc.io.text.document import read_document
+from simulator import Truth, as_csv, fly
+
+
+def test_an_axis_that_never_moves_adds_nothing_to_the_block(run: Run, tmp_path: Path) -> None:
+    [track] = fly(Truth(steps=300, drift=(0.2, 0.0, 0.0, 0.0)), 1)
+    parts = {name: np.array(getattr(track, name)) for name in track.parts()}
+    for part in parts.values():
+        part[:, 1] = 0.0
+    (tmp_path / "wind.csv").write_text(as_csv((track.changed(parts),)), encoding="utf-8")
+    result = run("identify", "wind.csv", "-o", "noise.yaml")
+    assert "y never changes: its noise cannot be told, and is taken as 0" in result.stdout
+    fields = read_document("noise.yaml").value["defaults"]
+    assert fields["drift"]["velocity"] == [pytest.approx(0.4, abs=0.05), 0.0]
+    rows = np.array(fields["disturbance_covariance"])
+    assert not rows[[1, 3]].any()
+    assert not rows[:, [1, 3]].any()
+
+
+def test_feedback_along_an_axis_that_never_moves_has_no_ends(run: Run, tmp_path: Path) -> None:
+    [track] = fly(Truth(steps=300), 1, "references")
+    parts = {name: np.array(getattr(track, name)) for name in track.parts()}
+    for name, part in parts.items():
+        part[:, 1::2] = 7.0 if name == "positions" else 0.0
+    (tmp_path / "wind.csv").write_text(as_csv((track.changed(parts),)), encoding="utf-8")
+    [group] = json.loads(run("identify", "wind.csv", "--json").stdout)["groups"]
+    assert group["gain"]["value"][1] == [0.0, 0.0, 0.0, 0.0]
+    assert group["gain"]["high"][1] == [None, None, None, None]
+    assert "feedback ay" not in run("identify", "wind.csv").stdout
