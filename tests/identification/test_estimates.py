@@ -154,14 +154,47 @@ def test_vehicles_of_different_clocks_are_not_compared() -> None:
 def test_vehicles_that_differ_get_numbers_of_their_own() -> None:
     [calm] = fly(Truth(), 12)
     [wild] = fly(Truth(scale=2.0), 13)
-    wild = Track("wild", "log.csv", "one", wild.times, wild.positions, wild.velocities,
-                 wild.controls)  # fmt: skip
-    found = identify([calm, wild])
+    found = identify([calm, renamed(wild, "wild")])
     assert found.differ
     assert [one.vehicles for one in found.groups] == [("v1",), ("wild",)]
     first, second = (np.trace(one.covariance.value) for one in found.groups)
     assert second == pytest.approx(2.0 * first, rel=0.25)
     assert not identify(fly(Truth(vehicles=2), 14)).differ
+
+
+def renamed(track: Track, name: str) -> Track:
+    """The same flight of another vehicle."""
+    return Track(name, track.source, track.clock, track.times, track.positions, track.velocities,
+                 track.controls)  # fmt: skip
+
+
+def test_gaussian_vehicles_of_different_noise_are_gaussian_together() -> None:
+    [calm], [other], [wild] = (fly(Truth(scale=scale), 30 + i) for i, scale in enumerate((1, 1, 9)))
+    found = identify([calm, renamed(other, "other"), renamed(wild, "wild")])
+    assert found.differ
+    assert all(one.tails.is_gaussian for one in found.groups)
+    assert found.pooled.tails.is_gaussian
+    assert found.pooled.worth == pytest.approx(1800, rel=0.01)
+
+
+def test_heavy_tails_of_vehicles_that_differ_are_told_by_their_own_freedom() -> None:
+    truth = Truth(steps=2000, freedom=5.0)
+    [calm], [wild] = fly(truth, 33), fly(replace(truth, scale=9.0), 34)
+    found = identify([calm, renamed(wild, "wild")])
+    assert found.differ
+    assert found.pooled.tails.freedom == pytest.approx(5.0, rel=0.3)
+    assert found.pooled.worth < 0.7 * 4000
+
+
+def test_vehicles_that_differ_by_an_axis_that_never_moves_are_judged_together() -> None:
+    [whole], [flat] = fly(Truth(), 35), fly(Truth(), 36)
+    parts = {name: np.array(getattr(flat, name)) for name in flat.parts()}
+    for part in parts.values():
+        part[:, 1] = 0.0
+    found = identify([whole, renamed(flat.changed(parts), "flat")])
+    assert found.differ
+    assert found.pooled.tails.is_gaussian
+    assert found.pooled.worth == pytest.approx(1200, rel=0.01)
 
 
 def test_logs_of_one_vehicle_count_together() -> None:

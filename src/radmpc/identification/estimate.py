@@ -28,8 +28,14 @@ from radmpc.identification.segments import (
     stacked,
 )
 from radmpc.identification.small_sample import without_bias
-from radmpc.identification.tails import Tails, tails, variance_ratios
-from radmpc.identification.whiteness import LEAST_CHANGE, Autocorrelation, autocorrelation, whitened
+from radmpc.identification.tails import Tails, scatter, tails
+from radmpc.identification.whiteness import (
+    LEAST_CHANGE,
+    Autocorrelation,
+    autocorrelation,
+    moving_states,
+    whitened,
+)
 from radmpc.records import dataclass, replace
 
 __all__ = ["Estimate", "estimate"]
@@ -78,6 +84,8 @@ class Estimate:
         Of what remains when feedback and drift are taken away.
     residuals : (N, p) array
         What remains when color is, too, whitened.
+    residual_states : tuple of int
+        The states that these columns belong to; empty where they are fewer than states that change.
     noise : tuple
         Per segment of the group, in the order given: first step and residuals with mean zero.
     """
@@ -96,6 +104,7 @@ class Estimate:
     tails: Tails | None
     autocorrelation: Autocorrelation
     residuals: Matrix
+    residual_states: tuple[int, ...]
     noise: tuple[tuple[str, int, Matrix], ...]
 
 
@@ -154,6 +163,7 @@ def _beside_still(
         has_drift=found.has_drift or has_drift,
         gain=gain,
         measurement=None if measurement is None else placed(measurement, nothing, square),
+        residual_states=tuple(int(states[i]) for i in found.residual_states),
         noise=tuple(noise),
     )
 
@@ -165,8 +175,7 @@ def _of_moving(
     all_segments = [segment for one in group for segment in one.segments]
     y, h, follows = stacked(all_segments)
     found = fit(y, h, follows, model.B, has_color=False)
-    white = whitened(found.innovations)
-    first = autocorrelation(_pieces(white, all_segments))
+    first = autocorrelation(_pieces(whitened(found.innovations), all_segments))
     can_color = evidence == "commands" or (evidence == "references" and model.has_velocity)
     if can_color and first.first_score > SURE and first.first > _LEAST_COLOR:
         found = fit(y, h, follows, model.B, has_color=True)
@@ -177,7 +186,8 @@ def _of_moving(
         pieces, opposes = _pieces(found.noise, all_segments), first.first_score < -SURE
         offsets = [segment.offset for segment in all_segments]
         measured = measured_noise(pieces, offsets, model, opposes=opposes)
-    kind = None if evidence == "states" else tails(whitened(found.innovations))
+    white, moving = whitened(found.innovations), moving_states(found.innovations)
+    kind = None if evidence == "states" else tails([white])
     more = (len(group) - 1) * max(share, 0.0)
     found = _widened(found, np.sqrt(1.0 + more), np.sqrt(1.0 + more * max(share, 0.0)))
     covariance, worth = _spread(found, kind, model, 1.0 + more * max(share, 0.0))
@@ -198,7 +208,8 @@ def _of_moving(
         measurement=None if measured is None else measured[1],
         tails=kind,
         autocorrelation=first,
-        residuals=whitened(found.innovations),
+        residuals=white,
+        residual_states=tuple(moving.tolist()) if len(moving) == white.shape[1] else (),
         noise=_noise(found.noise, group),
     )
 
@@ -236,15 +247,8 @@ def _spread(
     spent = (1.0 + color) / (1.0 - color) + found.gain.size / model.num_states
     free = max(steps - spent, 1.0)
     covariance = found.noise.T @ found.noise / free
-    excess = 0.0 if kind is None or kind.is_gaussian else max(kind.excess_kurtosis, 0.0)
-    # Fourth moments: squares of a variable with excess kurtosis k vary by (2 + k) instead of 2.
     independent = max(free * (1.0 - color**2) / (1.0 + color**2) / alike, 1.0)
-    worth = max(independent / (1.0 + 0.5 * excess), 1.0)
-    if kind is None or not kind.are_heavy:
-        return covariance_interval(covariance, worth), worth
-    # Logs seldom hold the largest deviations, so that their kurtosis is too small.
-    least, most = variance_ratios(kind.freedom_low, independent)
-    worth = max(min(worth, 2.0 * (SIGMAS / (1.0 - least)) ** 2), 1.0)
+    worth, least, most = scatter(kind, independent)
     return widened(covariance_interval(covariance, worth), least, most), worth
 
 

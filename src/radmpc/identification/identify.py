@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import chdtrc
 
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.identification.cleaning import clean, without_copies
 from radmpc.identification.commands import command_warning
+from radmpc.identification.differing import scaled_apart, vehicles_differ
 from radmpc.identification.estimate import Estimate, estimate
 from radmpc.identification.model import StepModel
 from radmpc.identification.sampling import Samples, native_period, sample
@@ -28,10 +28,6 @@ _FEW_STEPS = 100.0
 """Independent steps below which the numbers are called rough: variances by chi-square within -25 to
 +35 %."""
 
-_DOUBT = 0.01
-"""Probability [-] of such a difference between vehicles of one kind below which they count as
-different."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Identification:
@@ -48,7 +44,8 @@ class Identification:
     start : float or None
         When the earliest log begins [s since 1970], if it says.
     pooled : Estimate
-        Of all vehicles together.
+        Of all vehicles together; where they differ, tails and worth are those of residuals that
+        each vehicle's own covariance scales.
     each : tuple of Estimate
         Of every vehicle that has enough steps of its own.
     differ : bool
@@ -128,10 +125,13 @@ def identify(
     each = (
         (pooled,) if len(vehicles) == 1 else tuple(estimate([one], model, evidence) for one in own)
     )
-    differ = len(each) == len(vehicles) and _differ(pooled, each)
+    differ = len(each) == len(vehicles) and vehicles_differ(pooled, each)
     shared = _shared(vehicles, each if differ else (pooled,), pooled)
     if shared is not None and shared.is_sure:
         pooled = estimate(vehicles, model, evidence, share=float(shared.share.value))
+    if differ:
+        alike = 0.0 if shared is None or not shared.is_sure else float(shared.share.value)
+        pooled = scaled_apart(pooled, each, alike)
     if pooled.worth < _FEW_STEPS:
         told.append(
             f"the logs are worth about {pooled.worth:.0f} independent steps: the numbers are rough"
@@ -241,36 +241,6 @@ def _vehicles(
 def _least(model: StepModel, evidence: Evidence) -> int:
     """Return how many steps estimates need."""
     return _LEAST_STEPS + model.num_states * (2 if evidence == "references" else 1)
-
-
-def _differ(pooled: Estimate, each: Sequence[Estimate]) -> bool:
-    """Whether vehicles have covariances or feedback of their own: Box's test, and chi-square."""
-    if len(each) < 2:
-        return False
-    n = pooled.covariance.value.shape[0]
-    worths = np.array([one.worth for one in each])
-    weights = worths / worths.sum()
-    parts = [one.covariance.value for one in each]
-    mean = sum((w * part for w, part in zip(weights, parts, strict=True)), np.zeros((n, n)))
-    scale = np.sqrt(np.maximum(np.diag(mean), 1e-200))
-    floor = 1e-9 * np.eye(n)
-    logs = [np.linalg.slogdet(part / np.outer(scale, scale) + floor)[1] for part in [mean, *parts]]
-    statistic = float(worths.sum() * logs[0] - np.sum(worths * np.array(logs[1:])))
-    groups = len(each) - 1
-    correction = (2 * n**2 + 3 * n - 1) / (6.0 * (n + 1) * groups)
-    correction *= float(np.sum(1.0 / worths)) - 1.0 / worths.sum()
-    chances = [chdtrc(0.5 * groups * n * (n + 1), max(statistic * (1.0 - correction), 0.0))]
-    gains = [one.gain for one in each if one.gain is not None]
-    if len(gains) == len(each):
-        values = np.array([gain.value for gain in gains])
-        widths = np.array([gain.high - gain.value for gain in gains]) / 1.96
-        variances = np.clip(widths**2, 1e-300, 1e300)
-        center = np.sum(values / variances, axis=0) / np.sum(1.0 / variances, axis=0)
-        # Gains that a program computed are exact: differences in their last digits are none.
-        apart = np.abs(values - center) > 1e-6 * np.abs(center).max()
-        spread = np.sum(np.where(apart, (values - center) ** 2 / variances, 0.0))
-        chances.append(chdtrc(groups * values[0].size, spread))
-    return bool(min(chances) < _DOUBT / len(chances))
 
 
 def _shared(

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.special import chdtri, gammaln, ndtr
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.identification.intervals import LEVEL
+from radmpc.identification.intervals import LEVEL, SIGMAS
 from radmpc.records import dataclass
 
-__all__ = ["Tails", "tails", "variance_ratios"]
+__all__ = ["Tails", "scatter", "tails", "variance_ratios"]
 
 _GRID = np.linspace(0.0, 0.45, 226)
 """Reciprocals of degrees of freedom [-] whose likelihoods are compared; 0 is Gaussian."""
@@ -58,26 +60,53 @@ class Tails:
         return bool(np.isfinite(self.freedom_high))
 
 
-def tails(white: Matrix) -> Tails:
+def tails(groups: Sequence[Matrix]) -> Tails:
     """Return what residuals say of their distribution.
 
     Parameters
     ----------
-    white : (N, p) array
-        Whitened, with mean zero.
+    groups : sequence of (N, p) array
+        With mean zero, each whitened by its own covariance: residuals of Gaussian noise of several
+        sizes would look heavy-tailed together.
     """
-    numbers = white.ravel() / max(float(white.std()), 1e-150)
-    axes = white.shape[1]
-    distances = np.sum(white**2, axis=1)
-    kurtosis = float(np.mean(distances**2)) / (axes * (axes + 2.0)) - 1.0
+    numbers = [white.ravel() / max(float(white.std()), 1e-150) for white in groups]
+    axes = np.concatenate([np.full(len(white), float(white.shape[1])) for white in groups])
+    distances = np.concatenate([np.sum(white**2, axis=1) for white in groups])
+    kurtosis = float(np.mean(distances**2 / np.maximum(axes * (axes + 2.0), 1e-300))) - 1.0
     best, low, high = _reciprocal_freedom(distances, axes)
     return Tails(
-        chance=_anderson_darling(np.sort(numbers)),
+        chance=_anderson_darling(np.sort(np.concatenate(numbers))),
         excess_kurtosis=3.0 * kurtosis,
         freedom=1.0 / best if best > 0.0 else np.inf,
         freedom_low=1.0 / high if high > 0.0 else np.inf,
         freedom_high=1.0 / low if low > 0.0 else np.inf,
     )
+
+
+def scatter(kind: Tails | None, steps: float) -> tuple[float, float, float]:
+    """Return how many independent Gaussian steps tell a variance as well as these, and its ends.
+
+    Parameters
+    ----------
+    kind : Tails or None
+        Of the noise; None counts as Gaussian.
+    steps : float
+        Independent steps.
+
+    Returns
+    -------
+    tuple of float
+        Their number, and between what ratios to the true one a variance lies in 95 % beside what
+        that number says: 1 and 1 unless tails are heavy.
+    """
+    # Fourth moments: squares of a variable with excess kurtosis k vary by (2 + k) instead of 2.
+    excess = 0.0 if kind is None or kind.is_gaussian else max(kind.excess_kurtosis, 0.0)
+    worth = max(steps / (1.0 + 0.5 * excess), 1.0)
+    if kind is None or not kind.are_heavy:
+        return worth, 1.0, 1.0
+    # Logs seldom hold the largest deviations, so that their kurtosis is too small.
+    least, most = variance_ratios(kind.freedom_low, steps)
+    return max(min(worth, 2.0 * (SIGMAS / (1.0 - least)) ** 2), 1.0), least, most
 
 
 def variance_ratios(freedom: float, steps: float) -> tuple[float, float]:
@@ -121,22 +150,20 @@ def _anderson_darling(ordered: Vector) -> float:
     return float(1.0 - np.exp(-13.436 + 101.14 * a - 223.73 * a**2))
 
 
-def _reciprocal_freedom(distances: Vector, axes: int) -> tuple[float, float, float]:
+def _reciprocal_freedom(distances: Vector, axes: Vector) -> tuple[float, float, float]:
     """Return the likeliest 1/ν of a multivariate Student-t and the ends of its interval.
 
     Its covariance is the one observed: only the shape is free.
     """
     loglikelihood = np.empty(_GRID.size)
-    loglikelihood[0] = -0.5 * float(distances.sum()) - 0.5 * distances.size * axes * np.log(
-        2 * np.pi
-    )
+    loglikelihood[0] = -0.5 * float(distances.sum() + axes.sum() * np.log(2 * np.pi))
     for i, reciprocal in enumerate(_GRID[1:], start=1):
         nu = 1.0 / reciprocal
         each = (
             gammaln(0.5 * (nu + axes)) - gammaln(0.5 * nu) - 0.5 * axes * np.log(np.pi * (nu - 2.0))
         )
-        rest = np.log1p(distances / (nu - 2.0)).sum()
-        loglikelihood[i] = distances.size * each - 0.5 * (nu + axes) * float(rest)
+        rest = 0.5 * (nu + axes) * np.log1p(distances / (nu - 2.0))
+        loglikelihood[i] = float(np.sum(each - rest))
     best = int(np.argmax(loglikelihood))
     is_likely = 2.0 * (loglikelihood[best] - loglikelihood) <= float(chdtri(1.0, 0.05))
     likely = np.flatnonzero(is_likely)

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.records import dataclass
 
-__all__ = ["LEAST_CHANGE", "Autocorrelation", "autocorrelation", "whitened"]
+__all__ = ["LEAST_CHANGE", "Autocorrelation", "autocorrelation", "moving_states", "whitened"]
 
 LEAST_CHANGE = 1e-9
 """Share of the largest deviation [-] up to which residuals of a state never change: rounding."""
@@ -47,22 +47,42 @@ class Autocorrelation:
         return float(self.values[0] / self.deviations[0]) if self.values.size else 0.0
 
 
+def moving_states(residuals: Matrix) -> Indices:
+    """Return the states whose residuals change.
+
+    Parameters
+    ----------
+    residuals : (N, n) array
+        Of every step.
+
+    Returns
+    -------
+    (k,) array
+        Their numbers.
+    """
+    scale = residuals.std(axis=0)
+    return np.flatnonzero(scale > LEAST_CHANGE * max(float(scale.max(initial=0.0)), 1e-150))
+
+
 def whitened(residuals: Matrix) -> Matrix:
-    """Return residuals turned and scaled to the unit covariance, axes that never change left out.
+    """Return residuals scaled to the unit covariance, states that never change left out.
+
+    Of all ways to do so this one keeps every column closest to its state's residuals (Kessy, Lewin
+    and Strimmer 2018), unless fewer columns than states are independent.
 
     Parameters
     ----------
     residuals : (N, n) array
         With mean zero.
     """
-    scale = residuals.std(axis=0)
-    moving = residuals[:, scale > LEAST_CHANGE * max(float(scale.max(initial=0.0)), 1e-150)]
+    moving = residuals[:, moving_states(residuals)]
     if not moving.size:
         return moving
     scaled = moving / moving.std(axis=0)
     values, vectors = np.linalg.eigh(scaled.T @ scaled / len(scaled))
     is_real = values > 1e-9
-    return np.asarray(scaled @ (vectors[:, is_real] / np.sqrt(values[is_real])))
+    turned = scaled @ (vectors[:, is_real] / np.sqrt(values[is_real]))
+    return np.asarray(turned @ vectors.T if is_real.all() else turned)
 
 
 def autocorrelation(pieces: Sequence[Matrix]) -> Autocorrelation:

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from scipy.special import ndtri
 
+from radmpc.arrays import Vector
 from radmpc.identification.identify import Identification
 from radmpc.plotting.canvas.figure import check_figure, new_figure
 from radmpc.plotting.canvas.style import (
@@ -42,8 +43,9 @@ def plot_residuals(
     Returns
     -------
     tuple of Axes
-        Quantiles of the whitened residuals against Gaussian ones, an axis of the noise a color, and
-        correlations of residuals with earlier ones, with the band that white ones stay in.
+        Quantiles of the whitened residuals against Gaussian ones, a state a color, where vehicles
+        differ each scaled by its own covariance; and correlations of residuals with earlier ones,
+        with the band that white ones stay in.
     """
     check_figure(figure)
     drawn = new_figure(2.0 * COLUMN_WIDTH, _HEIGHT) if figure is None else figure
@@ -62,28 +64,48 @@ def plot_residuals(
 
 def _draw_quantiles(axes: Axes, identified: Identification) -> None:
     """Draw sorted residuals over Gaussian quantiles."""
-    residuals = identified.pooled.residuals
-    count = len(residuals)
-    places = (np.arange(count) + 0.5) / count
-    expected = ndtri(places)
-    # All of both tails, and a few between.
-    kept = np.unique(
-        np.concatenate([
-            np.arange(min(count, _MOST_POINTS // 3)),
-            np.linspace(0, count - 1, _MOST_POINTS // 3).astype(int),
-            np.arange(max(count - _MOST_POINTS // 3, 0), count),
-        ])
-    )  # fmt: skip
-    for i, column in enumerate(residuals.T):
+    reach = 0.0
+    for i, (name, column) in enumerate(_columns(identified).items()):
+        count = len(column)
+        expected = ndtri((np.arange(count) + 0.5) / count)
+        # All of both tails, and a few between.
+        kept = np.unique(
+            np.concatenate([
+                np.arange(min(count, _MOST_POINTS // 3)),
+                np.linspace(0, count - 1, _MOST_POINTS // 3).astype(int),
+                np.arange(max(count - _MOST_POINTS // 3, 0), count),
+            ])
+        )  # fmt: skip
         axes.plot(
             expected[kept], np.sort(column)[kept], linestyle="none", marker=".", markersize=2.0,
-            color=PALETTE[i % len(PALETTE)], gid=f"quantiles:{i}", zorder=3,
+            color=PALETTE[i % len(PALETTE)], gid=f"quantiles:{i}", zorder=3, label=name,
         )  # fmt: skip
-    reach = float(np.abs(expected).max())
+        reach = max(reach, float(np.abs(expected).max()))
     axes.plot(
         [-reach, reach], [-reach, reach], color=MUTED, linewidth=0.7, gid="gaussian", zorder=2
     )
+    if reach > 0.0:
+        axes.legend(
+            fontsize=TICK_SIZE, loc="upper left", frameon=False, markerscale=2.5,
+            handletextpad=0.1, borderaxespad=0.2, labelspacing=0.2,
+        )  # fmt: skip
     _name(axes, "Residuals", "Gaussian quantile [std. dev.]", "residual [std. dev.]")
+
+
+def _columns(identified: Identification) -> dict[str, Vector]:
+    """Return whitened residuals by the names of their states, each vehicle's by its own numbers."""
+    axes = "xyz"[: identified.model.dimension]
+    names = [*axes, *(f"v{axis}" for axis in axes)]
+    found: dict[str, list[Vector]] = {}
+    for one in identified.groups:
+        columns = one.residuals.shape[1]
+        states = [names[i] for i in one.residual_states]
+        labels = states or [f"component {i + 1}" for i in range(columns)]
+        for label, column in zip(labels, one.residuals.T, strict=True):
+            found.setdefault(label, []).append(column)
+    order = {name: i for i, name in enumerate(names)}
+    ordered = sorted(found, key=lambda label: order.get(label, len(names)))
+    return {label: np.concatenate(found[label]) for label in ordered}
 
 
 def _draw_past(axes: Axes, identified: Identification) -> None:
