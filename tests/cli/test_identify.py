@@ -190,7 +190,10 @@ def test_json_is_one_object_with_nothing_beside(run: Run, tmp_path: Path) -> Non
         (("wind.csv", "--columns", "time"), "--columns must be like time=t,x=east"),
         (("wind.csv", "--columns", "x=a,x=b"), "--columns must be like time=t,x=east"),
         (("wind.csv", "--columns", "size=a"), "--columns must name some of time, vehicle"),
-        (("wind.csv", "--columns", "x=east"), "has no column 'east' for x"),
+        (
+            ("wind.csv", "--columns", "x=east,y=y"),
+            "wind.csv: has no column 'east' for x: use --columns y=y,x=NAME; there are time, vehi",
+        ),
         (("wind.csv", "-o", "noise.txt"), "noise.txt: noise is written as .yaml"),
         (("wind.csv", "-o", "no/noise.yaml"), "cannot write no/noise.yaml"),
         (("wind.csv", "--plot", "r.txt"), "r.txt: a figure must end in .png, .pdf, .svg"),

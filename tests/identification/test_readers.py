@@ -83,7 +83,10 @@ def test_cells_that_say_nothing_are_no_numbers(tmp_path: Path) -> None:
         ("", "is empty"),
         (HEAD, "has a header and no row"),
         ("time,vehicle,x\n0,a,1\n", "has no column 'y' for y"),
-        ("t,x,y\n0,1,2\n", "has no column 'time' for time"),
+        (
+            "t,east,y\n0,1,2\n",
+            "has no column 'time' for time: name it by columns={'time': NAME, 'x': NAME}; there",
+        ),
         ("time,x,y,x\n0,1,2,3\n", "has two columns 'x'"),
         ("time,x,y,vx\n0,1,2,3\n", "has vx, but no column 'vy'"),
         ("time,x,y,vy\n0,1,2,3\n", "has vy, but not vx"),

@@ -17,7 +17,9 @@ from radmpc.console.running.guard import Code
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.identification import Identification, identify
 from radmpc.importing.logs.applying import noise_text, with_noise
+from radmpc.importing.logs.csv_log import MissingColumnError
 from radmpc.importing.logs.reading import read_logs
+from radmpc.importing.logs.recording import Recording
 from radmpc.io.native.scenario_file import load_scenario, save_scenario
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
@@ -120,7 +122,7 @@ def _check(request: IdentifyRequest) -> None:
 def _identified(request: IdentifyRequest, scenario: Scenario | None) -> Identification:
     """Return what the logs tell at the scenario's step."""
     with named_options("columns", "dt"):
-        recording = read_logs(request.logs, parse_columns(request.columns))
+        recording = _read(request)
         if scenario is not None and request.dt not in {None, scenario.dt}:
             raise ScenarioError(
                 f"is {request.dt:g} s, and the scenario's is {scenario.dt:g} s", ("dt",)
@@ -131,6 +133,16 @@ def _identified(request: IdentifyRequest, scenario: Scenario | None) -> Identifi
             dimension=None if scenario is None else scenario.dimension,
             warnings=recording.warnings,
         )
+
+
+def _read(request: IdentifyRequest) -> Recording:
+    """Return what the logs hold; a missing column is told with the option that names it."""
+    try:
+        return read_logs(request.logs, parse_columns(request.columns))
+    except MissingColumnError as error:
+        typed = ",".join(f"{key}={called}" for key, called in error.names.items())
+        text = str(error).replace(error.cure, f"use --columns {typed}")
+        raise FileFormatError(text) from error
 
 
 def parse_columns(typed: str | None) -> dict[str, str]:

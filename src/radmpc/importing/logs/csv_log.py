@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.errors import ScenarioError
+from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.identification.track import Track
 from radmpc.importing.logs.recording import Recording, clock_of, refusal
 from radmpc.io.text.files import read_text, shown
 
-__all__ = ["COLUMNS", "read_csv"]
+__all__ = ["COLUMNS", "MissingColumnError", "read_csv"]
 
 _AXES = "xyz"
 _PARTS = {
@@ -28,6 +28,9 @@ _PARTS = {
 }
 """Names of columns by what they hold."""
 
+_NEEDED = ("time", "x", "y")
+"""Columns that every log has."""
+
 COLUMNS = (
     "time",
     "vehicle",
@@ -37,6 +40,32 @@ COLUMNS = (
 
 _MISSING = {"", "nan", "na", "null", "none", "-"}
 """Texts that stand for a number that is not there."""
+
+
+class MissingColumnError(FileFormatError):
+    """A column that a log does not have, at least by that name.
+
+    Attributes
+    ----------
+    cure : str
+        What the message says to do about it in Python.
+    names : dict
+        Names of columns that would do, by what they hold; ``NAME`` where none is known.
+    """
+
+    def __init__(
+        self, path: Path, name: str, header: Sequence[str], columns: Mapping[str, str]
+    ) -> None:
+        named = {key: called for key, called in columns.items() if called in header}
+        lacking = [key for key in _NEEDED if columns.get(key, key) not in header]
+        self.names = named | dict.fromkeys([*lacking, name], "NAME")
+        entries = [
+            f"{key!r}: {called if called == 'NAME' else repr(called)}"
+            for key, called in self.names.items()
+        ]
+        self.cure = f"name it by columns={{{', '.join(entries)}}}"
+        message = f"has no column {columns.get(name, name)!r} for {name}: {self.cure}"
+        super().__init__(str(refusal(path, f"{message}; there are {', '.join(header)}")))
 
 
 def read_csv(path: Path, columns: Mapping[str, str]) -> Recording:
@@ -95,12 +124,8 @@ def _places(path: Path, header: Sequence[str], columns: Mapping[str, str]) -> di
         called = columns.get(name, name)
         if called in header:
             found[name] = header.index(called)
-        elif name in columns or name in {"time", "x", "y"}:
-            raise refusal(
-                path,
-                f"has no column {called!r} for {name}: columns say which it is, {name}=NAME; "
-                f"there are {', '.join(header)}",
-            )
+        elif name in columns or name in _NEEDED:
+            raise MissingColumnError(path, name, header, columns)
     for form in _PARTS.values():
         names = [form.format(axis=axis) for axis in _AXES]
         given = [name for name in names if name in found]
