@@ -20,7 +20,7 @@ from radmpc.preflight.cures import (
 )
 from radmpc.preflight.endpoint_concerns import describe_endpoints
 from radmpc.preflight.narrow_concerns import describe_narrow, narrow_cures
-from radmpc.preflight.noise import NoiseKind, noise_warnings
+from radmpc.preflight.noise import NoiseKind, noise_warnings, quiet_axes
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
 from radmpc.records import dataclass
 
@@ -163,6 +163,9 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
             seen.saturation,
             cures=partial(saturation_cures, scenario, vehicle, most),
         )
+    quiet = quiet_axes(vehicle, scenario.horizon)
+    if quiet is not None:
+        yield _Found("noise", seen.name, quiet, 1.0)
     ratio = seen.end_deviation / vehicle.radius
     if ratio > _SCATTERED:
         most = _SCATTERED * vehicle.radius

@@ -1,14 +1,18 @@
-"""Warnings about the noise of a whole scenario: none, chosen by an import, tracks poorly known."""
+"""Warnings about noise: none, none along an axis, chosen by an import; tracks poorly known."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from typing import Literal
 
+import numpy as np
+
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
+from radmpc.records import replace
 from radmpc.rounding import rounded_down
 
-__all__ = ["NoiseKind", "noise_warnings"]
+__all__ = ["NoiseKind", "noise_warnings", "quiet_axes"]
 
 NoiseKind = Literal["noise", "assumed noise", "track"]
 
@@ -54,3 +58,34 @@ def noise_warnings(scenario: Scenario) -> Iterator[tuple[NoiseKind, str]]:
                 f"good enough"
             )
             yield "track", text
+
+
+def quiet_axes(vehicle: Vehicle, horizon: int) -> str | None:
+    """Return the axes that no disturbance ever reaches where one reaches others, as text.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With its feedback.
+    horizon : int
+        Number of steps T.
+
+    Returns
+    -------
+    str or None
+        What to say of them; None where there are none.
+    """
+    places = list(vehicle.system.position)
+    if np.diag(vehicle.disturbance_covariance)[places].all():
+        return None
+    # Noise of a velocity, of feedback or of measurements reaches positions later.
+    still = replace(vehicle, initial_covariance=np.zeros_like(vehicle.initial_covariance))
+    variances = np.diagonal(still.covariances(horizon), axis1=1, axis2=2)[:, places].max(axis=0)
+    quiet = variances <= 0.0
+    if quiet.all() or not quiet.any():
+        return None
+    names = [" and ".join(np.array(list("xyz"[: len(places)]))[part]) for part in (quiet, ~quiet)]
+    return (
+        f"disturbances reach {names[1]} and never {names[0]}, and certificates count on that; "
+        f"state disturbance_covariance along {names[0]}, too, unless it is so"
+    )

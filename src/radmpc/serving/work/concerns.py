@@ -79,7 +79,7 @@ def _remark(concern: Concern, outlook: Outlook, content: Content) -> Remark:
     names = [vehicle.name for vehicle in scenario.vehicles]
     whom = [names.index(name) for name in concern.vehicles]
     path: Path = list(_PATHS.get(concern.kind, ()))
-    if not path and whom:
+    if whom and (not path or concern.kind == "noise"):
         path = ["vehicles", whom[0]]
     return {
         "severity": "fatal" if concern.is_fatal else "warning",
