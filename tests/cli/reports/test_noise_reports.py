@@ -38,3 +38,13 @@ def test_feedback_along_an_axis_that_never_moves_has_no_ends(run: Run, tmp_path:
     assert group["gain"]["value"][1] == [0.0, 0.0, 0.0, 0.0]
     assert group["gain"]["high"][1] == [None, None, None, None]
     assert "feedback ay" not in run("identify", "wind.csv").stdout
+
+
+def test_vehicles_with_time_constants_of_their_own_have_one_each(run: Run, tmp_path: Path) -> None:
+    slow = as_csv(fly(Truth(steps=1500, color=0.95), 1))
+    fast = as_csv(fly(Truth(steps=1500, color=0.3, scale=3.0), 2)).replace(",v1,", ",fast,")
+    (tmp_path / "wind.csv").write_text(slow + fast.split("\n", 1)[1], encoding="utf-8")
+    result = run("identify", "wind.csv")
+    assert "differ beyond chance: each has its own numbers" in result.stdout
+    assert result.stdout.count("time constant  ") == 2
+    assert "one time constant does not describe it" not in result.stdout

@@ -91,9 +91,12 @@ def _facts(identified: Identification) -> dict[str, Text | str]:
     if pooled.tails is not None:
         style = "yellow" if pooled.tails.are_heavy else ""
         rows["tails"] = Text(tails_sentence(pooled.tails), style=style)
-    misfit = misfit_of_color(pooled)
-    if misfit is not None:
-        rows["memory"] = Text(misfit, style="yellow")
+    misfits = [(one, misfit) for one in identified.groups if (misfit := misfit_of_color(one))]
+    if misfits:
+        told = [
+            f"{one.vehicles[0]}: {text}" if identified.differ else text for one, text in misfits
+        ]
+        rows["memory"] = Text("; ".join(told[:_MOST_GROUPS]), style="yellow")
     shared = identified.shared
     if shared is not None:
         rows["shared"] = _share_sentence(float(shared.share.value), shared.share, shared.is_sure)
