@@ -27,7 +27,7 @@ from .conftest import CROSSING, Run, assert_one_line
 LEAST_KEYS = [
     "missions", "rate", "rate_low", "rate_high", "bound", "certified", "effort", "effort_planned",
     "miss", "saturation", "accepted", "alarms", "tick_p50", "tick_p99", "tick_max",
-    "late",
+    "late", "cut_off",
 ]  # fmt: skip
 
 

@@ -46,7 +46,9 @@ Missions = Annotated[
 ]
 Deadline = Annotated[
     float | None,
-    typer.Option("--deadline", min=0.0, help="Seconds for each decision (no limit)."),
+    typer.Option(
+        "--deadline", min=0.0, help="Seconds for each decision (the planner's own limit: 60)."
+    ),
 ]
 FlightSeed = Annotated[
     int | None, typer.Option("--seed", min=0, help="Seed of all noise and of every plan (0).")

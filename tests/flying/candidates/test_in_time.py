@@ -2,13 +2,31 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
 import pytest
 
-from radmpc.flying.candidates.judging import Candidate
+import radmpc
+from radmpc.experiments.families import paper
+from radmpc.flying.candidates.judging import NOT_IN_TIME, Candidate, Order, judged
 from radmpc.flying.candidates.times import LATE, DecisionTimes, Timer
+from radmpc.flying.mission import Mission
+from radmpc.flying.recording.campaign import begin_flight
+from radmpc.flying.recording.summary import summary_of
+from radmpc.io.flight.record import FlightSettings
+from radmpc.model.plan import Plan, Status
+from radmpc.model.scenario import Scenario
 
 FOUND = Candidate(None, 0.01, "the plan does not hold")
 NONE = Candidate(None, None, "no plan was found from here")
+
+
+def plan_without(scenario: Scenario, status: Status) -> Plan:
+    """Planning's answer where it ended without a plan."""
+    return replace(
+        radmpc.plan(scenario, rng=0, stop=lambda: True).record, status=status, trajectories=()
+    )
 
 
 class Clock:
@@ -88,3 +106,41 @@ def test_no_plan_says_nothing_of_how_long_judging_takes() -> None:
     before = times.judging
     assert times.in_time(clock.judging(0.0, NONE), clock.timer(1.0), 10) is NONE
     assert times.judging == before == pytest.approx(0.02)
+
+
+def without_plan(status: Status, *, is_timed: bool) -> str:
+    """Why there is no candidate where planning ended like that."""
+    scenario = paper(1, 1)
+    order = Order(scenario, scenario, 0, is_timed=is_timed)
+    return judged(plan_without(scenario, status), order, 0, [scenario.vehicles[0].start]).reason
+
+
+def test_a_search_that_its_deadline_ended_does_not_say_that_there_is_no_plan() -> None:
+    assert without_plan(Status.LIMIT, is_timed=True) == NOT_IN_TIME
+    assert without_plan(Status.LIMIT, is_timed=False).endswith("within the planner's own limit")
+    for is_timed in (True, False):
+        assert without_plan(Status.INFEASIBLE, is_timed=is_timed) == "no plan was found from here"
+
+
+def test_decisions_that_a_deadline_left_without_a_plan_are_counted() -> None:
+    plan = radmpc.plan(replace(paper(1, 1), obstacles=()), rng=0).require()
+    timed = begin_flight(plan, FlightSettings(replan="certified", deadline=1e-6))
+    assert summary_of(timed).cut_off == summary_of(timed).ticks - 1
+    assert summary_of(begin_flight(plan, FlightSettings(replan=None, deadline=9.0))).cut_off == 0
+    assert summary_of(begin_flight(plan, FlightSettings(replan=None))).cut_off is None
+
+
+def test_planning_on_the_spot_and_in_the_background_knows_of_its_deadline() -> None:
+    plan = radmpc.plan(replace(paper(1, 1), obstacles=()), rng=0).require()
+    start = [plan.scenario.vehicles[0].start]
+
+    def stopped(scenario: Scenario, seconds: float | None) -> Plan:
+        return plan_without(scenario, Status.LIMIT)
+
+    spot = Mission(plan, planner=stopped, warm=False)
+    assert spot.step(start, deadline=5.0).reason == NOT_IN_TIME
+    with ThreadPoolExecutor(1) as worker:
+        ahead = Mission(plan, planner=stopped, executor=worker, warm=False)
+        ahead.step(start, deadline=5.0)
+        ahead.wait()
+        assert ahead.step(start, deadline=5.0).reason == NOT_IN_TIME

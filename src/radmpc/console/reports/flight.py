@@ -63,6 +63,7 @@ def flight_json(record: FlightRecord, summary: FlightSummary) -> dict[str, objec
         "tick_p99": summary.tick_p99,
         "tick_max": summary.tick_max,
         "late": summary.late,
+        "cut_off": summary.cut_off,
     }
 
 
@@ -132,8 +133,16 @@ def flight_rows(record: FlightRecord, summary: FlightSummary) -> dict[str, Text 
             f"{summary.tick_max:.3g} s (longest)"
         )
     if summary.late is not None:
-        rows["deadline"] = f"{settings.deadline:g} s, missed at {count_text(summary.late, 'tick')}"
+        rows["deadline"] = _deadline(settings.deadline or 0.0, summary)
     return rows
+
+
+def _deadline(seconds: float, summary: FlightSummary) -> str:
+    """Return what a deadline kept from being told or found."""
+    return (
+        f"{seconds:g} s, missed at {count_text(summary.late or 0, 'tick')}; "
+        f"too short for a new leg at {count_text(summary.cut_off or 0, 'tick')}"
+    )
 
 
 def _hits(record: FlightRecord) -> str:

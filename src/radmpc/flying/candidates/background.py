@@ -36,7 +36,7 @@ class Background:
     def __init__(self, planning: Planning, executor: Executor) -> None:
         self._planning = planning
         self._executor = executor
-        self._asked: tuple[Scenario, int, Scale] | None = None
+        self._asked: tuple[Scenario, int, Scale, bool] | None = None
         self._future: Future[tuple[Result | Plan | None, Scenario]] | None = None
         self._refusal: Exception | None = None
 
@@ -56,7 +56,7 @@ class Background:
         """
         if self._future is not None:
             return
-        self._asked, self._refusal = (left, step, scale), None
+        self._asked, self._refusal = (left, step, scale, seconds is not None), None
         try:
             self._future = self._executor.submit(_planned, self._planning, left, seconds)
         except Exception as error:

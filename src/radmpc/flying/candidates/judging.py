@@ -14,7 +14,7 @@ from radmpc.arguments import check_callable
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import RadmpcError
 from radmpc.flying.leg import Leg, leg_of
-from radmpc.model.plan import Plan
+from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
 from radmpc.planners.presets import parse_planner
@@ -24,6 +24,7 @@ from radmpc.referee.conditional.scales import Scale
 from radmpc.result import Result
 
 __all__ = [
+    "NOT_IN_TIME",
     "Candidate",
     "Order",
     "Planning",
@@ -38,6 +39,9 @@ __all__ = [
 Planning = Callable[[Scenario, "float | None"], "Result | Plan | None"]
 """From a scenario and the seconds there are (None: no limit) to a plan, or to none."""
 
+
+NOT_IN_TIME = "no plan was found within the deadline"
+"""Why there is no candidate where a deadline ended the search: there may be one."""
 
 _IMPORTED_LATE = (
     "radmpc.planners.certified",
@@ -86,12 +90,15 @@ class Order:
         The mission's step at which it begins.
     scale : Scale or None
         What both take for known of the factor of covariances; None where they are known.
+    is_timed : bool
+        Whether planning has a deadline.
     """
 
     left: Scenario
     asked: Scenario
     began: int
     scale: Scale | None = None
+    is_timed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,7 +210,7 @@ def judged(
     """
     found = answer.record if isinstance(answer, Result) else answer
     if found is None or (isinstance(found, Plan) and not found.trajectories):
-        return Candidate(None, None, "no plan was found from here")
+        return Candidate(None, None, _why_none(found, order))
     if not isinstance(found, Plan):
         return Candidate(None, None, f"planning returned {type(found).__name__}, no plan")
     by_name = {path.name: path.controls for path in found.trajectories}
@@ -212,6 +219,13 @@ def judged(
     except KeyError as error:
         return Candidate(None, None, f"the plan lacks vehicle {error}")
     return leg_judged(controls, order, step, states, scale)
+
+
+def _why_none(found: Plan | None, order: Order) -> str:
+    """Return why a planner answers with no plan: a search that was cut short rules nothing out."""
+    if found is None or found.status is not Status.LIMIT:
+        return "no plan was found from here"
+    return NOT_IN_TIME if order.is_timed else "no plan was found within the planner's own limit"
 
 
 def leg_judged(

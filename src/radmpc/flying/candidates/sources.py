@@ -18,7 +18,7 @@ from radmpc.flying.candidates.judging import (
     leg_judged,
     load_planning,
 )
-from radmpc.flying.candidates.times import DecisionTimes, Timer
+from radmpc.flying.candidates.times import NO_TIME, DecisionTimes, Timer
 from radmpc.flying.knowing import expected_start
 from radmpc.flying.leg import Leg
 from radmpc.flying.remainder import left_of
@@ -265,10 +265,10 @@ class Sources:
     ) -> Candidate:
         """Return what a planner finds in the time that is left."""
         left, scale = moment.left(grant), moment.evidence.scale
-        order = Order(left, widened(left), moment.step, scale)
         seconds = self.times.planning_seconds(timer, left.horizon)
         if seconds == 0.0:
-            return Candidate(None, None, "there was no time to plan")
+            return Candidate(None, None, NO_TIME)
+        order = Order(left, widened(left), moment.step, scale, is_timed=seconds is not None)
         begun = timer.clock()
         try:
             answer = planning(order.asked, seconds)

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from radmpc.flying.candidates.judging import Candidate
+from radmpc.flying.candidates.judging import NOT_IN_TIME, Candidate
 from radmpc.records import dataclass
 
-__all__ = ["LATE", "DecisionTimes", "Timer"]
+__all__ = ["CUT_OFF", "LATE", "NO_TIME", "DecisionTimes", "Timer"]
 
 LATE = "the candidate came too late"
 """Why a candidate is not flown that is there when the decision is due."""
+
+NO_TIME = "there was no time to plan"
+"""Why nobody was asked."""
+
+CUT_OFF = frozenset({LATE, NO_TIME, NOT_IN_TIME})
+"""Why there is no other leg where the deadline left no time for one."""
 
 _TELLING = 5e-4
 """Time before a deadline from which on the tail is flown [s]: what eight vehicles are told takes

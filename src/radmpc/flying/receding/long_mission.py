@@ -213,7 +213,7 @@ class LongMission:
         scene, known, scale = scene_of(ahead, step, grant, before)
         done = self._asked if before is None else self._asked.less(before.visits, before.arrived)
         scene = self._itinerary.asked(scene, step, done)
-        order = Order(scene, widened(scene), 0, scale)
+        order = Order(scene, widened(scene), 0, scale, is_timed=deadline is not None)
         found = answered(self._planning, order, deadline, known)
         if found.leg is None or found.leg.price > grant:
             return None

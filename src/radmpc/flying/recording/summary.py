@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Vector
+from radmpc.flying.candidates.times import CUT_OFF
 from radmpc.flying.commanding import SATURATED
 from radmpc.flying.deciding import opened
 from radmpc.io.flight.record import FlightRecord, FlownMission, TickRow
@@ -46,6 +47,8 @@ class FlightSummary:
         What decisions took [s].
     late : int or None
         Decisions that took longer than the deadline; None without one.
+    cut_off : int or None
+        Those for which it left no other leg: none was found in time, or it was there too late.
     """
 
     flown: Simulation | None
@@ -63,6 +66,7 @@ class FlightSummary:
     tick_p99: float | None
     tick_max: float | None
     late: int | None
+    cut_off: int | None = None
 
     @property
     def missions(self) -> int:
@@ -123,7 +127,13 @@ def summary_of(record: FlightRecord) -> FlightSummary:
         tick_p99=p99,
         tick_max=float(seconds.max()) if seconds.size else None,
         late=None if deadline is None else int(np.count_nonzero(seconds > deadline)),
+        cut_off=None if deadline is None else sum(map(_is_cut_off, decided)),
     )
+
+
+def _is_cut_off(row: TickRow) -> bool:
+    """Whether a deadline left no other leg for a decision."""
+    return row.leg is None and row.reason in CUT_OFF
 
 
 def effort_of(scenario: Scenario, mission: FlownMission) -> float:
