@@ -93,6 +93,15 @@ def test_an_example_run_as_a_program_prints_its_number(tmp_path, monkeypatch, ca
     assert (tmp_path / "01_one_vehicle.png").is_file()
 
 
+def test_the_readme_states_the_number_of_every_example():
+    table = (FOLDER / "README.md").read_text(encoding="utf-8")
+    stated = dict(re.findall(r"^\| \[(\S+)\]\(\S+\) (?:\|[^|\n]+){2}\| ([\d.]+)", table, re.M))
+    for path in EXAMPLES:
+        number = stated[path.name]
+        half_digit = 0.5 * 10.0 ** -len(number.partition(".")[2])
+        assert abs(float(number) - loaded(path).EXPECTED) <= half_digit + 1e-9, path.name
+
+
 def test_the_readme_lists_every_example():
     table = (FOLDER / "README.md").read_text(encoding="utf-8")
     assert re.findall(r"^\| \[(\S+)\]\(\1\)", table, re.M) == [path.name for path in EXAMPLES]
