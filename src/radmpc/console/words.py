@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from radmpc.model.scenario import Scenario
 from radmpc.wording import count_text
 
-__all__ = ["scenario_line"]
+__all__ = ["first_of", "scenario_line"]
+
+
+def first_of(problems: Sequence[str]) -> str:
+    """Return the first of some problems, and how many others there are, in one line."""
+    more = len(problems) - 1
+    return f"{problems[0]} (and {more} more)" if more else problems[0]
 
 
 def scenario_line(scenario: Scenario) -> str:

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.loading import read_plan
-from radmpc.console.output import show, show_json
+from radmpc.console.output import note, show, show_json
 from radmpc.console.reports.noise import noise_report
 from radmpc.console.reports.noise_values import identification_json, plain_array
 from radmpc.console.reports.progress import progress_line
@@ -122,8 +122,18 @@ def run_calibrate(request: CalibrateRequest) -> int:
         show_json(_record(request, found, before, after))
     else:
         show(*_report(request, found, before, after))
-    is_fine = request.plan_output is None or (after is not None and after.holds)
-    return Code.OK if is_fine else Code.NO
+    return Code.OK if request.plan_output is None else _judged(after)
+
+
+def _judged(after: _Flown | None) -> Code:
+    """Say on stderr what speaks against the new plan, and return the exit code."""
+    if after is None:
+        note("no certified plan with that noise")
+        return Code.NO
+    if not after.holds:
+        note("the new plan collides more often than its certificate allows")
+        return Code.NO
+    return Code.OK
 
 
 def _check(request: CalibrateRequest) -> None:

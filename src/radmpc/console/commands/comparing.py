@@ -123,9 +123,12 @@ def run_compare(scenario: Scenario, request: CompareRequest) -> int:
         _write_panels(found, request.figure)
         if not request.as_json:
             show(f"picture written to {request.figure}")
+    is_any_within = any(one.is_within for one in found)
     if was_interrupted:
         note("interrupted: planners that had not begun are left out")
-    return Code.OK if any(one.is_within for one in found) else Code.NO
+    elif not is_any_within:
+        note("no planner has a plan that is certified within the risk bound")
+    return Code.OK if is_any_within else Code.NO
 
 
 def _show_reasons(found: Sequence[Comparison]) -> None:

@@ -9,6 +9,7 @@ from radmpc.console.files import OutputError, check_output, writing
 from radmpc.console.options import is_option, named_options
 from radmpc.console.output import note, show
 from radmpc.console.running.guard import Code
+from radmpc.console.words import first_of
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.export.exporting import (
     ROUNDING,
@@ -146,9 +147,7 @@ def _doubts(certificate: Certificate) -> str:
     if certificate.holds:
         return ""
     if certificate.problems:
-        more = len(certificate.problems) - 1
-        rest = f" (and {more} more)" if more else ""
-        return f"the plan does not hold: {certificate.problems[0]}{rest}"
+        return f"the plan does not hold: {first_of(certificate.problems)}"
     return (
         f"the plan is not certified within its risk bound {certificate.bound:g}: "
         f"at most {bound_text(certificate.certified)}"

@@ -22,6 +22,7 @@ from radmpc.experiments.sweeping import Values, sweep, sweep_scenarios
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
 from radmpc.records import dataclass
+from radmpc.wording import count_text
 
 __all__ = ["SweepRequest", "run_sweep"]
 
@@ -123,7 +124,12 @@ def run_sweep(request: SweepRequest) -> int:
         goes_on = "" if table is None else "; the same command goes on"
         note(f"interrupted after {len(found)} of {len(scenarios)} scenarios{goes_on}")
         return Code.NO
-    return Code.OK if all(row.within for row in found) else Code.NO
+    lacking = sum(not row.within for row in found)
+    if not lacking:
+        return Code.OK
+    whose = f"{lacking} of {count_text(len(found), 'scenario')}"
+    note(f"no plan that is certified within the risk bound for {whose}")
+    return Code.NO
 
 
 def _table(request: SweepRequest) -> SweepTable | None:

@@ -8,12 +8,12 @@ from rich.table import Table
 from rich.text import Text
 
 from radmpc.console.loading import read_plan
-from radmpc.console.output import show, show_json
+from radmpc.console.output import note, show, show_json
 from radmpc.console.reports.progress import progress_line
 from radmpc.console.reports.report import facts, verdict
 from radmpc.console.reports.saturating import saturation_line, saturation_warning
 from radmpc.console.running.guard import Code
-from radmpc.console.words import scenario_line
+from radmpc.console.words import first_of, scenario_line
 from radmpc.errors import ScenarioError
 from radmpc.io.flight.flight_file import is_flight
 from radmpc.model.ledger import bound_text
@@ -107,7 +107,19 @@ def run_verify(path: Path, samples: int, seed: int, avoidance: str | None, *, as
         show_json(verification.as_json())
     else:
         show(*verify_report(record.scenario, verification, where))
-    return Code.OK if verification.holds else Code.NO
+    if verification.holds:
+        return Code.OK
+    note(f"{path}: {_doubts(verification)}")
+    return Code.NO
+
+
+def _doubts(verification: Verification) -> str:
+    """Return what stands against a plan that does not hold."""
+    if verification.problems:
+        told = first_of(verification.problems)
+        return told if told.startswith("no plan") else f"the plan does not hold: {told}"
+    certified, bound = verification.certified or 0.0, verification.bound
+    return f"the certificate {bound_text(certified)} exceeds the risk bound {bound:g}"
 
 
 def _verify_flight(path: Path, where: Avoidance | None, *, as_json: bool) -> int:

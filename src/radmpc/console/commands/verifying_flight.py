@@ -6,11 +6,11 @@ from pathlib import Path
 
 from rich.text import Text
 
-from radmpc.console.output import show, show_json
+from radmpc.console.output import note, show, show_json
 from radmpc.console.reports.flight import flight_json, flight_rows
 from radmpc.console.reports.report import facts
 from radmpc.console.running.guard import Code
-from radmpc.console.words import scenario_line
+from radmpc.console.words import first_of, scenario_line
 from radmpc.errors import RadmpcError
 from radmpc.flying.recording.summary import summary_of
 from radmpc.flying.recording.verifying import flight_problems
@@ -45,28 +45,37 @@ def run_verify_flight(path: Path, *, as_json: bool) -> int:
     try:
         summary = summary_of(record)
     except RadmpcError as error:
-        return _rejected((*problems, f"the plan cannot be flown: {error}"), as_json=as_json)
+        problems = (*problems, f"the plan cannot be flown: {error}")
+        _show_rejected(problems, as_json=as_json)
+        return _judged(path, problems)
     if summary.contradiction is not None:
         problems += (summary.contradiction,)
     holds = not problems
     if as_json:
         content = flight_json(record, summary) | {"holds": holds, "problems": list(problems)}
         show_json(content)
-        return Code.OK if holds else Code.NO
+        return _judged(path, problems)
     rows = flight_rows(record, summary)
     ticks = f"recomputed, {summary.ticks} ticks"
     rows["account"] = ticks if holds else Text("\n".join(problems), style="red")
     word = Text("holds", "bold green") if holds else Text("does not hold", "bold red")
     title = Text(scenario_line(record.plan.scenario), style="bold")
     show(title, facts(rows | {"the flight": word}))
-    return Code.OK if holds else Code.NO
+    return _judged(path, problems)
 
 
-def _rejected(problems: tuple[str, ...], *, as_json: bool) -> int:
+def _judged(path: Path, problems: tuple[str, ...]) -> Code:
+    """Say on stderr what speaks against a flight, and return the exit code."""
+    if not problems:
+        return Code.OK
+    note(f"{path}: the flight does not hold: {first_of(tuple(dict.fromkeys(problems)))}")
+    return Code.NO
+
+
+def _show_rejected(problems: tuple[str, ...], *, as_json: bool) -> None:
     """Report a flight that cannot even be summed up."""
     if as_json:
         show_json({"holds": False, "problems": list(problems)})
     else:
         told = Text("\n".join(dict.fromkeys(problems)), style="red")
         show(facts({"problems": told, "the flight": Text("does not hold", "bold red")}))
-    return Code.NO
