@@ -13,6 +13,7 @@ import typer
 from radmpc.console import arguments as given
 from radmpc.console.flying_commands import add_flying
 from radmpc.console.output import show, show_json
+from radmpc.console.plain_help import PlainCommand
 from radmpc.console.running.deferring import defer
 from radmpc.console.running.guard import Code, GuardedCommands
 from radmpc.console.serving_commands import add_serving
@@ -168,7 +169,10 @@ def reproduce(
         bool, typer.Option("--report-only", help="Write tables and figures of the rows there are.")
     ] = False,
 ) -> int:
-    """Do the paper's experiments again; killed and started again it goes on."""
+    """Do the paper's experiments again.
+
+    Killed and started again, it goes on.
+    """
     from radmpc.console.commands.reproducing import StudyRequest, run_reproduction
 
     return run_reproduction(
@@ -182,7 +186,10 @@ def check(
     as_json: given.AsJson = False,
     settings: given.Settings = None,
 ) -> int:
-    """Say whether a scenario is valid, and what to know before planning it."""
+    """Say whether a scenario is valid, and what stands in its way.
+
+    The exit code is 0 for every valid scenario, also where the answer is that it has no plan.
+    """
     from radmpc.console.commands.check import run_check
     from radmpc.console.settings import changes_of
     from radmpc.io.native.scenario_file import load_scenario
@@ -198,7 +205,7 @@ def verify(
     avoidance: given.JudgedAvoidance = None,
     as_json: given.AsJson = False,
 ) -> int:
-    """Certify and simulate a plan, or recompute a flight, from its file alone."""
+    """Judge a plan, or recompute a flight, from its file alone."""
     from radmpc.console.commands.verifying import run_verify
 
     return run_verify(plan_file, samples, seed, avoidance, as_json=as_json)
@@ -285,3 +292,7 @@ def demo(
     from radmpc.console.commands.demo import run_demo
 
     return run_demo(out)
+
+
+for _command in app.registered_commands:
+    _command.cls = PlainCommand

@@ -101,7 +101,7 @@ FlownFile = Annotated[
 ]
 ForeignFiles = Annotated[
     list[Path],
-    typer.Argument(metavar="FILE...", help="A problem in another format; charts may be several."),
+    typer.Argument(metavar="FILE", help="A problem in another format; charts may be several."),
 ]
 Layers = Annotated[
     list[str] | None,
@@ -202,7 +202,7 @@ Axes = Annotated[
     ),
 ]
 SweepTable = Annotated[
-    Path | None, typer.Option("-o", "--output", help="Rows as CSV; there, it goes on.")
+    Path | None, typer.Option("-o", "--output", help="Rows as CSV; an existing file is resumed.")
 ]
 SweepFigure = Annotated[
     Path | None, typer.Option("--figure", help="Costs as curves: .png, .pdf or .svg.")
@@ -240,7 +240,7 @@ Noise = Annotated[
 Logs = Annotated[
     list[Path],
     typer.Argument(
-        metavar="LOG...",
+        metavar="LOG",
         help="CSV, MCAP, PX4 ULog or ROS 2 bag; several count together.",
         autocompletion=complete_log,
     ),
@@ -261,14 +261,16 @@ ResidualFigure = Annotated[
 ]
 RiskBound = Annotated[float | None, typer.Option("--risk-bound", help="Joint risk of the fleet.")]
 Agents = Annotated[int | None, typer.Option("--agents", help="How many vehicles to take.")]
-AvoidanceName = Annotated[str | None, typer.Option("--avoidance", help="'intervals' or 'steps'.")]
+AvoidanceName = Annotated[
+    str | None, typer.Option("--avoidance", help="Where collisions count (the problem's).")
+]
 JudgedAvoidance = Annotated[
     str | None,
-    typer.Option("--avoidance", help="'intervals' or 'steps' (as planned)."),
+    typer.Option("--avoidance", help="Where collisions count (as planned)."),
 ]
 PlaceOnEarth = Annotated[
     str | None,
-    typer.Option("--origin", help="LAT,LON[,HEIGHT] of the plan's origin [degrees, m]."),
+    typer.Option("--origin", help="Of the plan's origin: LAT,LON[,HEIGHT] [degrees, m]."),
 ]
 Tolerance = Annotated[
     float | None,

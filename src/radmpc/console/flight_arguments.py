@@ -31,7 +31,7 @@ BackendName = Annotated[
 ]
 BackendOptions = Annotated[
     list[str] | None,
-    typer.Option("--option", help="KEY=VALUE for what it is flown with; may be repeated."),
+    typer.Option("--option", help="For what it is flown with; may be repeated."),
 ]
 Replan = Annotated[
     str | None,
@@ -47,7 +47,9 @@ Missions = Annotated[
 Deadline = Annotated[
     float | None,
     typer.Option(
-        "--deadline", min=0.0, help="Seconds for each decision (the planner's own limit: 60)."
+        "--deadline",
+        min=0.0,
+        help="Seconds for each decision (the planner's limit; certified: 60).",
     ),
 ]
 FlightSeed = Annotated[

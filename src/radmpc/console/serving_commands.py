@@ -27,7 +27,7 @@ def serve_page(
     source: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[FILE]",
+            metavar="FILE",
             help="A scenario, a plan, a flight or a chart.",
             autocompletion=complete_drawn,
         ),

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from cli.conftest import Run, assert_one_line
 from radmpc.console.commands import calibrating
-
-from .conftest import Run, assert_one_line
 
 
 def no_line(run: Run, *words: object) -> str:
