@@ -6,6 +6,7 @@ import pytest
 
 from radmpc.console.output import show
 from radmpc.console.reports.report import ledger_table, plan_report, vehicle_table, verdict
+from radmpc.console.reports.saturating import saturation_line
 from radmpc.experiments.families import circle
 from radmpc.model.plan import LedgerRow, Risk, Status
 
@@ -148,3 +149,10 @@ def test_many_vehicles_are_summed_at_the_end(capsys: pytest.CaptureFixture[str])
         "4.00",
         "%",
     ]
+
+
+def test_saturation_is_called_none_only_where_nothing_feeds_back() -> None:
+    assert saturation_line(0.0, feeds_back=False) == "none: no control can reach its limit"
+    for rounded in (0.0, 2.86e-189, 9e-16):
+        assert saturation_line(rounded, 0.0) == "at most 1e-15, simulated 0"
+    assert saturation_line(2.861e-9) == "at most 2.86e-09"

@@ -239,6 +239,7 @@ def verify_report(
             verification.saturation_bound,
             verification.saturation_rate,
             next(iter(verification.warnings), None),
+            feeds_back=any(vehicle.gain is not None for vehicle in scenario.vehicles),
         )
     if verification.problems:
         rows["problems"] = Text("\n".join(verification.problems), style="red")

@@ -8,15 +8,13 @@ from rich.table import Table
 from rich.text import Text
 
 from radmpc.console.reports.report import facts
+from radmpc.console.reports.saturating import NOTHING
 from radmpc.console.words import scenario_line
 from radmpc.flying.recording.summary import FlightSummary
 from radmpc.io.flight.record import FlightRecord, FlownMission
 from radmpc.wording import count_text
 
 __all__ = ["flight_json", "flight_report", "flight_rows"]
-
-_NOTHING = 1e-15
-"""Probability whose digits tell nothing [-]; files have them all."""
 
 _OFTEN = 0.05
 """Share of ticks at which disturbances speak against the model that is no chance any more [-]: by
@@ -202,4 +200,4 @@ def probability_text(value: float | None) -> str:
     """
     if value is None:
         return ""
-    return f"< {_NOTHING:.0e}" if 0.0 < value < _NOTHING else f"{value:.2e}"
+    return f"< {NOTHING:.0e}" if 0.0 < value < NOTHING else f"{value:.2e}"

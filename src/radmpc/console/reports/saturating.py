@@ -6,7 +6,10 @@ from rich.text import Text
 
 from radmpc.model.plan import Plan
 
-__all__ = ["saturation_line", "saturation_warning"]
+__all__ = ["NOTHING", "saturation_line", "saturation_warning"]
+
+NOTHING = 1e-15
+"""Probability below which digits tell nothing [-]."""
 
 _SMALL = 0.1
 """Share of the risk bound up to which saturation is small against it."""
@@ -41,7 +44,11 @@ def saturation_warning(plan: Plan, saturation: float) -> str | None:
 
 
 def saturation_line(
-    saturation: float, rate: float | None = None, warning: str | None = None
+    saturation: float,
+    rate: float | None = None,
+    warning: str | None = None,
+    *,
+    feeds_back: bool = True,
 ) -> Text | str:
     """Return the bound on saturation, what a simulation saw of it, and a warning.
 
@@ -53,10 +60,13 @@ def saturation_line(
         Share of samples in which one does; None without a simulation.
     warning : str or None
         What `saturation_warning` says.
+    feeds_back : bool
+        Whether any vehicle does.
     """
-    if saturation == 0.0:
+    if saturation == 0.0 and not feeds_back:
         return "none: no control can reach its limit"
-    text = f"at most {saturation:.3g}"
+    # Gaussian noise has no bound: less than that is rounding, also where nothing is left of it.
+    text = f"at most {max(saturation, NOTHING):.3g}"
     if rate is not None:
         text += f", simulated {rate:.4g}"
     return text if warning is None else Text(f"{text}: {warning}", style="yellow")

@@ -39,6 +39,10 @@ _MOST_LINES, _NOTHING = 4000, 1e-7
 """Lines of a ledger that are told, and the share of Δ from which on one is [-]."""
 
 
+_TOLD = 1e-15
+"""Probability of saturation from which on it is told [-]; less is rounding."""
+
+
 def plan_summary(plan: Plan, number: str, revision: int) -> PlanSummary:
     """Return a plan in few words.
 
@@ -204,7 +208,7 @@ def _report(plan: Plan) -> list[str]:
             f"risk of any collision at most {bound_text(certified)}, {relation} the risk bound "
             f"{plan.risk.bound:g}"
         )
-    if saturation is not None and saturation > 0.0:
+    if saturation is not None and saturation >= _TOLD:
         said.append(f"some control saturates with a probability of at most {saturation:.2g}")
     if plan.risk.price:
         saved = 0.01 * plan.risk.bound * plan.risk.price
