@@ -80,8 +80,8 @@ def plan(
     """Plan a scenario; write it where -o says."""
     defer("numpy", "ma", "polynomial")  # before scipy asks for them
     from radmpc.console.commands.plan_command import Request, check_request, run_plan
+    from radmpc.console.loading import read_scenario
     from radmpc.console.settings import changes_of
-    from radmpc.io.native.scenario_file import load_scenario
     from radmpc.planners.presets import DEFAULT
 
     planner = DEFAULT if planner is None else planner
@@ -90,7 +90,7 @@ def plan(
         scenario, gap,
     )  # fmt: skip
     check_request(request)
-    return run_plan(load_scenario(scenario, changes_of(settings)), request)
+    return run_plan(read_scenario(scenario, changes_of(settings)), request)
 
 
 @app.command("compare")
@@ -108,15 +108,15 @@ def compare_planners(
 ) -> int:
     """Plan one scenario with several planners, side by side."""
     from radmpc.console.commands.comparing import CompareRequest, check_compare, run_compare
+    from radmpc.console.loading import read_scenario
     from radmpc.console.settings import changes_of
-    from radmpc.io.native.scenario_file import load_scenario
     from radmpc.planners.presets import COMPARED
 
     words = COMPARED if planners is None else planners.split(",")
     names = tuple(word.strip() for word in words if word.strip())
     request = CompareRequest(names, seed, time_limit, samples, jobs, dask, figure, as_json)
     check_compare(request)
-    return run_compare(load_scenario(scenario, changes_of(settings)), request)
+    return run_compare(read_scenario(scenario, changes_of(settings)), request)
 
 
 @app.command("sweep")
@@ -191,10 +191,10 @@ def check(
     The exit code is 0 for every valid scenario, also where the answer is that it has no plan.
     """
     from radmpc.console.commands.check import run_check
+    from radmpc.console.loading import read_scenario
     from radmpc.console.settings import changes_of
-    from radmpc.io.native.scenario_file import load_scenario
 
-    return run_check(load_scenario(scenario, changes_of(settings)), as_json=as_json)
+    return run_check(read_scenario(scenario, changes_of(settings)), as_json=as_json)
 
 
 @app.command()

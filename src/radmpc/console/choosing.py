@@ -26,7 +26,10 @@ def planner_with(name: str, gap: float | None) -> Planner:
     ScenarioError
         If there is no such preset, or the gap is none.
     """
-    known = parse_planner(name)
+    try:
+        known = parse_planner(name)
+    except ScenarioError as error:
+        raise ScenarioError(f"--planner: {error}") from error
     if gap is None:
         return known
     try:

@@ -14,7 +14,7 @@ from radmpc.io.native.changes import changed
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.native.plain import plain_mapping
-from radmpc.io.text.document import read_document
+from radmpc.io.native.scenario_file import read_scenario_document
 from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner
 from radmpc.planners.presets import DEFAULT, parse_planner
@@ -172,7 +172,7 @@ def _content(source: str | os.PathLike[str] | Scenario) -> object:
     if isinstance(source, Scenario):
         return encode_scenario(source)
     check_path(source)
-    document = read_document(source)
+    document = read_scenario_document(source)
     try:
         decode_scenario(document.value)
     except ScenarioError as error:

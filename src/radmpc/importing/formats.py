@@ -28,6 +28,7 @@ from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.native.schema import SCENARIO_FORMAT
 from radmpc.io.text.document import Document, read_document
 from radmpc.io.text.files import one_line
+from radmpc.io.text.yaml_text import NOT_YAML
 from radmpc.records import dataclass
 
 __all__ = ["ImportedScenario", "import_ground", "import_scenario"]
@@ -167,8 +168,13 @@ def _of_problem(document: Document, options: ImportOptions) -> ImportedScenario:
             return imported
     if isinstance(document.value, Mapping) and document.value.get("format") == SCENARIO_FORMAT:
         raise FileFormatError(one_line(f"{document.name}: is a scenario already"))
+    raise _unknown(document.name)
+
+
+def _unknown(name: str) -> FileFormatError:
+    """Return the error of a file that no importer knows."""
     known = ", ".join([*(importer.name for importer in _IMPORTERS), "GeoJSON", "KML"])
-    raise FileFormatError(one_line(f"{document.name}: is of no format known here ({known})"))
+    return FileFormatError(one_line(f"{name}: is of no format known here ({known})"))
 
 
 def _check_readable(imported: ImportedScenario, name: str) -> None:
@@ -197,4 +203,10 @@ def _read(path: str | os.PathLike[str]) -> Document:
                 f"got {size / 2**20:.0f}"
             )
         )
-    return _READERS.get(suffix, read_document)(path)
+    try:
+        return _READERS.get(suffix, read_document)(path)
+    except FileFormatError as error:
+        # Of a file that is not called YAML nobody asks where it is none.
+        if NOT_YAML in str(error) and suffix not in {".yaml", ".yml"}:
+            raise _unknown(os.fspath(path)) from error
+        raise

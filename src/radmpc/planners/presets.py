@@ -146,7 +146,9 @@ def parse_planner(text: str) -> Planner:
     pattern = r"\s*([a-z-]+)\s*(?:\(\s*([^()]*?)\s*\))?\s*"
     match = re.fullmatch(pattern, text) if isinstance(text, str) else None
     if match is None or match[1] not in PRESETS:
-        raise ScenarioError(f"planner must be one of {', '.join(PRESETS)}, got {value_text(text)}")
+        raise ScenarioError(
+            f"planner must be one of {', '.join(PRESETS)}, got {value_text(text)}{_near(text)}"
+        )
     preset = PRESETS[match[1]]
     if match[2] is None:
         return preset.planner
@@ -157,6 +159,15 @@ def parse_planner(text: str) -> Planner:
     except ValueError as error:
         raise ScenarioError(f"planner {preset.name!r} takes a number, got {text!r}") from error
     return preset.argument(number)
+
+
+def _near(text: object) -> str:
+    """Return the name that a misspelled one may stand for, as a question; empty if none is near."""
+    from difflib import get_close_matches  # noqa: PLC0415 - most names are spelled right
+
+    word = text[:100].strip().lower() if isinstance(text, str) else ""
+    near = get_close_matches(word, PRESETS, n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 def called(planner: Planner) -> str:

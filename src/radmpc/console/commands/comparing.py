@@ -71,7 +71,10 @@ def check_compare(request: CompareRequest) -> None:
     if not request.planners:
         raise ScenarioError("--planners must name at least one planner, got none")
     for name in request.planners:
-        parse_planner(name)
+        try:
+            parse_planner(name)
+        except ScenarioError as error:
+            raise ScenarioError(f"--planners: {error}") from error
         if request.planners.count(name) > 1:
             raise ScenarioError(f"--planners names {name!r} twice")
     if request.dask is not None and request.jobs > 1:

@@ -11,7 +11,8 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.native.changes import changed
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
-from radmpc.io.text.document import read_document
+from radmpc.io.ranges import PLAN_FORMAT
+from radmpc.io.text.document import Document, read_document
 from radmpc.io.text.files import one_line
 from radmpc.io.text.json_text import write_json
 from radmpc.io.text.yaml_writing import write_yaml
@@ -19,7 +20,13 @@ from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
 from radmpc.system.atomic import write_text
 
-__all__ = ["decode_scenario", "encode_scenario", "load_scenario", "save_scenario"]
+__all__ = [
+    "decode_scenario",
+    "encode_scenario",
+    "load_scenario",
+    "read_scenario_document",
+    "save_scenario",
+]
 
 _WRITERS = {".json": write_json, ".yaml": write_yaml, ".yml": write_yaml}
 
@@ -51,7 +58,7 @@ def load_scenario(
         If a change is no value of a key that there can be.
     """
     check_path(path)
-    document = read_document(path)
+    document = read_scenario_document(path)
     content, places = changed(document.value, {} if changes is None else changes)
     try:
         return decode_scenario(content)
@@ -60,6 +67,33 @@ def load_scenario(
         if places.hold(told.path):
             raise ScenarioError(f"{told} (as set; the file is {document.name})") from error
         raise document.failure(told) from error
+
+
+def read_scenario_document(path: str | os.PathLike[str]) -> Document:
+    """Return what a scenario's file holds, not yet checked.
+
+    Parameters
+    ----------
+    path : path
+        As in `load_scenario`.
+
+    Raises
+    ------
+    FileFormatError
+        If the file cannot be read, or holds a plan.
+    """
+    document = read_document(path)
+    if _is_plan(document.value):
+        told = f"{document.name}: is a plan, not a scenario: give the scenario that was planned"
+        raise FileFormatError(one_line(told))
+    return document
+
+
+def _is_plan(value: object) -> bool:
+    """Whether a file's content is a plan, and no scenario whose format was mistyped."""
+    if not isinstance(value, Mapping) or "scenario" not in value:
+        return False
+    return value.get("format") == PLAN_FORMAT
 
 
 def save_scenario(scenario: Scenario, path: str | os.PathLike[str]) -> None:

@@ -26,7 +26,10 @@ from radmpc.io.text.files import one_line, shown
 from radmpc.io.text.lines import MAX_DEPTH, Place
 from radmpc.records import dataclass, field
 
-__all__ = ["read_yaml"]
+__all__ = ["NOT_YAML", "read_yaml"]
+
+NOT_YAML = "not valid YAML"
+"""What is said of text that cannot be parsed, before where and why."""
 
 _MAX_ALIASED = 1_000_000
 """Values that all aliases together may stand for: a few lines could else fill the memory."""
@@ -89,9 +92,9 @@ def read_yaml(text: str, name: str) -> tuple[object, Place]:
         mark = error.problem_mark or error.context_mark
         what = ", ".join(str(part) for part in (error.context, error.problem) if part)
         line = 1 if mark is None else mark.line + 1
-        raise builder.failure(f"not valid YAML: {what}", line) from error
+        raise builder.failure(f"{NOT_YAML}: {what}", line) from error
     except YAMLError as error:
-        raise builder.failure(f"not valid YAML: {error}", 1) from error
+        raise builder.failure(f"{NOT_YAML}: {error}", 1) from error
     if not builder.root.items:
         raise builder.failure("is empty", 1)
     return builder.root.items[0], builder.root.places[0]
