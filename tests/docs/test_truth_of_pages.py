@@ -30,6 +30,14 @@ def test_paths_and_names_in_contributing_exist() -> None:
     assert sorted(set(names) - set(re.findall(r"\w+", targets))) == []
 
 
+def test_the_readme_says_which_extras_bring_what_the_demo_leaves_out() -> None:
+    page = (ROOT / "README.md").read_text(encoding="utf-8")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    told = re.findall(r"'\.\[(\w+)\]'", page)
+    assert told == ["serve", "logs", "simulators"]
+    assert set(told) <= set(project["project"]["optional-dependencies"])
+
+
 def test_the_floors_page_lists_the_floors_of_the_contract_in_their_order() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     layers = project["tool"]["importlinter"]["contracts"][0]["layers"]
