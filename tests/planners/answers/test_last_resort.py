@@ -16,6 +16,7 @@ from radmpc.planners.certified import fallbacks
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.least_risk import feasible_within
+from radmpc.planners.certified.more_faces import faces_text, finer_scenarios
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.verdict import Verdict
@@ -84,7 +85,7 @@ def test_only_faces_that_were_searched_to_the_end_rule_out_a_plan(
     answer = fallbacks.last_resort(search, SearchState.of(fleet)).answer
     assert answer.is_proven is is_proven
     assert ("More faces opened no way" in answer.explanation) is is_proven
-    assert ("Whether a way opens with 8 faces" in answer.explanation) is not is_proven
+    assert ("Whether a way opens with 8, 16 or 32 faces" in answer.explanation) is not is_proven
 
 
 def test_more_faces_that_a_first_look_does_not_tell_of_are_searched_longer(
@@ -108,6 +109,16 @@ def test_more_faces_that_a_first_look_does_not_tell_of_are_searched_longer(
     assert "not known" not in answer.explanation
 
 
+def test_faces_that_were_tried_are_told_in_one_list() -> None:
+    finer = list(finer_scenarios(paper(2, 0)))
+    assert faces_text(finer) == (
+        "8, 16 or 32 faces around pairs and obstacles' corners cut every 45, 22.5 or 11.25 degrees"
+    )
+    assert finer[0].text == "8 faces around pairs and obstacles' corners cut every 45 degrees"
+    alone = list(finer_scenarios(paper(1, 0)))
+    assert faces_text(alone) == "obstacles' corners cut every 45, 22.5 or 11.25 degrees"
+
+
 def test_more_faces_that_leave_a_way_but_no_plan_of_all_rule_out_nothing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -127,7 +138,7 @@ def test_more_faces_that_leave_a_way_but_no_plan_of_all_rule_out_nothing(
     assert len(planned) == 1
     assert not answer.is_proven
     assert "There is a way with 16 faces" in answer.explanation
-    assert "More faces opened no way: tried were 8 faces" in answer.explanation
+    assert "More faces opened no way: tried were 8 or 32 faces around pairs" in answer.explanation
 
 
 def test_more_faces_rule_out_nothing_once_time_is_up() -> None:

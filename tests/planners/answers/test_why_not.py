@@ -76,7 +76,7 @@ def test_a_vehicle_behind_a_wall_is_named_with_the_wall_and_the_rest_can_go():
         scenario(vehicle("a", (0, 0), (10, 0)), far(), obstacles=wall_with_gap(0.1)), "certified"
     )
     assert result.status is Status.INFEASIBLE
-    assert "Vehicle 'a' has no plan at any risk" in result.explanation
+    assert "'a' has no plan by the faces of this scenario, at any risk" in result.explanation
     assert "'north' or obstacle 'south'" in result.explanation
     assert "The other vehicle can be planned" in result.explanation
 
@@ -254,7 +254,7 @@ def test_what_a_search_along_intervals_rules_out_is_said_to_hold_of_whole_steps(
     blocked = scenario(vehicle("a", (0, 0), (10, 0)), obstacles=wall_with_gap(0.1))
     found = why_not(replace(blocked, avoidance="intervals"), Limits())
     assert found.is_proven
-    assert "passed on one side over a whole step" in found.explanation
+    assert "on one side over a whole step" in found.explanation
 
 
 def test_of_goals_out_of_reach_nothing_is_said_of_whole_steps():

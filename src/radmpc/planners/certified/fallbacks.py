@@ -7,7 +7,7 @@ from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.ended import ended
 from radmpc.planners.certified.infeasible.explanation import why_not
 from radmpc.planners.certified.infeasible.least_risk import feasible_within
-from radmpc.planners.certified.more_faces import Finer, finer_scenarios
+from radmpc.planners.certified.more_faces import Finer, faces_text, finer_scenarios
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
@@ -108,7 +108,7 @@ def _from_safest(search: PriceSearch, state: SearchState, answer: WhyNot) -> Sea
 def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | None, WhyNot]:
     """Search where more faces leave a plan to vehicles that have none; say what was tried."""
     scenario, limits = search.fleet.scenario, search.fleet.limits
-    ruled_out: list[str] = []
+    ruled_out: list[Finer] = []
     unplanned: list[Finer] = []
     untold = tuple(finer_scenarios(scenario))
     # All of them shortly first: where one of them leaves a plan, that is soon known, as a rule.
@@ -120,7 +120,7 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
             if has_plan is None:
                 still.append(finer)
             elif not has_plan:
-                ruled_out.append(finer.text)
+                ruled_out.append(finer)
             else:
                 found = _planned_with(search, finer, answer)
                 if found is not None:
@@ -129,14 +129,13 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
         untold = tuple(still)
     text = answer.explanation
     if ruled_out:
-        text += f" More faces opened no way: tried were {'; '.join(ruled_out)}."
+        text += f" More faces opened no way: tried were {faces_text(ruled_out)}."
     if unplanned:
-        texts = "; or with ".join(finer.text for finer in unplanned)
-        text += f" There is a way with {texts}, but no plan of the whole fleet was found by it."
+        faces = faces_text(unplanned)
+        text += f" There is a way with {faces}, but no plan of the whole fleet was found by it."
     if untold:
         within = limits.reason or f"each was given {TUNING.last_resort.trials[-1]:g} s"
-        texts = "; or with ".join(finer.text for finer in untold)
-        text += f" Whether a way opens with {texts}, is not known: {within}."
+        text += f" Whether a way opens with {faces_text(untold)} is not known: {within}."
     is_proven = answer.is_proven and not (untold or unplanned)
     return None, replace(answer, explanation=text, is_proven=is_proven)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -11,9 +11,10 @@ from radmpc.geometry import Polytope
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.tuning import TUNING
+from radmpc.planners.wording import listed
 from radmpc.records import dataclass, replace
 
-__all__ = ["Finer", "finer_scenarios"]
+__all__ = ["Finer", "faces_text", "finer_scenarios"]
 
 _TUNED = TUNING.last_resort
 
@@ -26,12 +27,36 @@ class Finer:
     ----------
     scenario : Scenario
         What a plan of it risks is no less than in the one it was made from.
-    text : str
-        The faces it has.
+    pair_faces : int or None
+        Faces it has around pairs; None where no others than given ones are tried.
+    corner_angle : float or None
+        Angle between faces at the corners of obstacles, at most [°]; None likewise.
     """
 
     scenario: Scenario
-    text: str
+    pair_faces: int | None
+    corner_angle: float | None
+
+    @property
+    def text(self) -> str:
+        """The faces it has."""
+        return faces_text([self])
+
+
+def faces_text(tried: Sequence[Finer]) -> str:
+    """Return the faces that one or several scenarios have.
+
+    Parameters
+    ----------
+    tried : sequence of Finer
+        At least one, all made from one scenario.
+    """
+    counts = dict.fromkeys(str(one.pair_faces) for one in tried if one.pair_faces is not None)
+    angles = dict.fromkeys(f"{one.corner_angle:g}" for one in tried if one.corner_angle is not None)
+    parts = [f"{listed([*counts], 'or')} faces around pairs"] if counts else []
+    if angles:
+        parts.append(f"obstacles' corners cut every {listed([*angles], 'or')} degrees")
+    return " and ".join(parts)
 
 
 def finer_scenarios(scenario: Scenario) -> Iterator[Finer]:
@@ -53,15 +78,15 @@ def finer_scenarios(scenario: Scenario) -> Iterator[Finer]:
         more = count > scenario.num_pair_faces
         if not (has_corners or (has_pairs and more)):
             continue
-        parts = []
-        if has_pairs:
-            parts.append(f"{max(count, scenario.num_pair_faces)} faces around pairs")
         obstacles = scenario.obstacles
         if has_corners:
             obstacles = tuple(_with_corners(o, count) for o in scenario.obstacles)
-            parts.append(f"obstacles' corners cut every {360.0 / count:g} degrees")
         faces = max(count, scenario.num_pair_faces)
-        yield Finer(replace(scenario, pair_faces=faces, obstacles=obstacles), " and ".join(parts))
+        yield Finer(
+            replace(scenario, pair_faces=faces, obstacles=obstacles),
+            faces if has_pairs else None,
+            360.0 / count if has_corners else None,
+        )
 
 
 def _with_corners(obstacle: Obstacle, count: int) -> Obstacle:

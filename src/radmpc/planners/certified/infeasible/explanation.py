@@ -21,8 +21,8 @@ from radmpc.solvers.solution import Limits
 __all__ = ["describe_certain", "why_not"]
 
 _WHOLE_STEPS = (
-    "Along intervals that is so where everything is passed on one side over a whole step: shorter "
-    "steps may leave a way."
+    "Along intervals plans by faces pass everything on one side over a whole step: shorter steps "
+    "may leave a way."
 )
 """Said of what a search ruled out: the referee looks at parts of a step, each with its own side."""
 
@@ -102,10 +102,10 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
         rest = [i for place, i in enumerate(rest) if place not in found.stuck]
     if reasons:
         texts = _told(scenario, reasons, limits)
-        if found is not None and not found.stuck:
-            texts.append(_of_rest(part, found, limits))
         if len(slow) < len({i for reason in reasons for i in reason.members}):
             texts += _of_whole_steps(scenario)
+        if found is not None and not found.stuck:
+            texts.append(_of_rest(part, found, limits))
         blocked = () if slow else tuple(sorted({i for r in reasons for i in r.members}))
         return WhyNot(" ".join(texts), is_proven=True, blocked=blocked)
     if found is None:  # a limit came first

@@ -23,6 +23,10 @@ _QUIET = 1e-6
 """Factor of covariances that leaves next to nothing of them [-]."""
 
 
+_BY_FACES = "by the faces of this scenario"
+"""Of what a search rules out a plan: half-spaces with other normals may leave one."""
+
+
 def stuck_reason(
     scenario: Scenario, members: tuple[int, ...], limits: Limits
 ) -> tuple[tuple[int, ...], str, str | None]:
@@ -52,10 +56,12 @@ def stuck_reason(
     members = _smallest(scenario, members, limits)
     part = scenario.subset(members, scenario.risk_bound)
     if _has_plan(with_noise(part, _QUIET), limits):
-        what = "no path with enough clearance for the noise (without noise there is one)"
+        what = (
+            f"no path {_BY_FACES} with enough clearance for the noise (without noise there is one)"
+        )
     else:
         blockers = _blockers(part, limits)
-        what = "no plan at any risk"
+        what = f"no plan {_BY_FACES}, at any risk"
         if blockers:
             standing = listed(blockers, "or")
             what += f": {standing} stands in the way (without it there is one)"
