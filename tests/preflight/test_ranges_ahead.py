@@ -10,6 +10,8 @@ from scenes_checked import of_scene, warned
 import radmpc
 from radmpc import Goal, Keep, Scenario, Vehicle, double_integrator
 from radmpc.console.commands.check import outlook_json
+from radmpc.planners.endpoints.floors import EndpointHazard
+from radmpc.planners.wording import endpoints_text
 from radmpc.preflight import concerns_of, outlook_of
 
 SYSTEM = double_integrator(1.0, 2)
@@ -80,6 +82,14 @@ def test_a_range_that_is_nearly_lost_is_told_as_a_part_of_the_bound() -> None:
     assert not concern.is_fatal
     assert "the starts of 'a' and 'b' at the end of their range" in concern.text
     assert "Starts and goals alone take 0.013 of risk_bound 0.05" in concern.text
+
+
+def test_a_sum_over_starts_and_goals_that_leaves_out_ranges_says_so() -> None:
+    hazards = [EndpointHazard("obstacle", (i,), "reef", True, 0.006, 0.4) for i in (0, 1)]
+    told = endpoints_text(keeping(5.0), hazards, 0.012)
+    assert told.startswith("Starts and goals alone, ranges aside, run a risk of 0.012, above")
+    told = endpoints_text(replace(keeping(5.0), keep=()), hazards, 0.012)
+    assert told.startswith("Starts and goals alone run a risk of 0.012, above")
 
 
 def test_goals_to_choose_from_out_of_range_do_not_rule_out_a_plan() -> None:

@@ -12,7 +12,12 @@ import numpy as np
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard, Floors, floors
 from radmpc.planners.endpoints.screening import are_surely_harmless
-from radmpc.planners.shared_reasons import ROUNDING, endpoint_sentences, range_sentences
+from radmpc.planners.shared_reasons import (
+    ROUNDING,
+    endpoint_sentences,
+    range_sentences,
+    visit_sentences,
+)
 from radmpc.planners.wording import endpoints_text, listed
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass
@@ -84,7 +89,8 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
             reasons.append(Reason((i,), *reason))
     if not are_surely_harmless(scenario, models):
         reasons += endpoint_reasons(scenario, floors(scenario, models))
-    return reasons + (_lost_ranges(scenario, models) if scenario.keep else [])
+    reasons += _lost_ranges(scenario, models) if scenario.keep else []
+    return reasons + [Reason(*told) for told in visit_sentences(scenario, models)]
 
 
 def _lost_ranges(scenario: Scenario, models: Sequence[CondensedModel]) -> list[Reason]:

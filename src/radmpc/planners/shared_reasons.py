@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard
@@ -17,7 +18,11 @@ from radmpc.planners.wording import (
     stray_text,
 )
 
-__all__ = ["ROUNDING", "endpoint_sentences", "range_sentences"]
+if TYPE_CHECKING:
+    from radmpc.planners.endpoints.visiting import RiskyVisit
+    from radmpc.program.condensed import CondensedModel
+
+__all__ = ["ROUNDING", "endpoint_sentences", "range_sentences", "visit_sentences"]
 
 ROUNDING = 1e-6
 """Share of Δ by which a risk must exceed it to count as above [-]: the error of the integrals."""
@@ -74,6 +79,50 @@ def range_sentences(
     """
     threshold = scenario.risk_bound * (1.0 + ROUNDING)
     return [(one.members, lost_range_text(scenario, one)) for one in found if one.risk > threshold]
+
+
+def visit_sentences(
+    scenario: Scenario, models: Sequence[CondensedModel]
+) -> list[tuple[tuple[int, ...], str]]:
+    """Return which vehicles have a visit that alone is above Δ.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    models : sequence of CondensedModel
+        Its vehicles over the whole horizon.
+
+    Returns
+    -------
+    list of (tuple of int, str)
+        A vehicle, and the sentence about the first such visit of it.
+    """
+    if not any(vehicle.via for vehicle in scenario.vehicles):
+        return []
+    from radmpc.planners.endpoints.visiting import risky_visits  # noqa: PLC0415 - few visit anything
+
+    told: dict[int, str] = {}
+    for found in risky_visits(scenario, models, scenario.risk_bound * (1.0 + ROUNDING)):
+        told.setdefault(found.vehicle, _visit_text(scenario, found))
+    return [((i,), text) for i, text in told.items()]
+
+
+def _visit_text(scenario: Scenario, found: RiskyVisit) -> str:
+    """Return why a visit alone is above Δ."""
+    vehicle, (first, last) = scenario.vehicles[found.vehicle], found.steps
+    when = f"at step {first}" if first == last else f"at any step from {first} to {last}"
+    bound = scenario.risk_bound
+    risk = f"a risk of {rounded(found.risk, bound)} {when}, above risk_bound {bound:g}"
+    head = f"The box of via[{found.visit}] of vehicle {vehicle.name!r}"
+    if found.within is not None:
+        return (
+            f"{head} lies within obstacle {found.within!r} grown by the vehicle's radius of "
+            f"{vehicle.radius:g} m ({risk})."
+        )
+    names = ["the workspace border" if one.other is None else f"obstacle {one.other!r}"
+             for one in found.hazards]  # fmt: skip
+    return f"{head} is too close to {listed(names)}: even its best point runs {risk}."
 
 
 def _groups(scenario: Scenario, hazards: Sequence[EndpointHazard]) -> list[list[EndpointHazard]]:

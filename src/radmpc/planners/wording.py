@@ -122,8 +122,10 @@ def endpoints_text(scenario: Scenario, hazards: Sequence[EndpointHazard], risk: 
     parts = [f"{_what(scenario, d)} ({least_text(d.risk)})" for d in hazards[:_NAMED]]
     hidden = len(hazards) - len(parts)
     more = f"; and {hidden} more" if hidden > 0 else ""
+    aside = ", ranges aside," if scenario.keep else ""
     return (
-        f"Starts and goals alone run a risk of {number}, above {bound}: {'; '.join(parts)}{more}."
+        f"Starts and goals alone{aside} run a risk of {number}, above {bound}: "
+        f"{'; '.join(parts)}{more}."
     )
 
 

@@ -136,8 +136,17 @@ def concerns_of(outlook: Outlook) -> tuple[Concern, ...]:
     ]
     noise = (Concern(kind, (), text, False) for kind, text in noise_warnings(scenario))
     ends = (Concern("endpoint", *told) for told in describe_endpoints(outlook))
-    told = [*ends, *_grouped(found), *noise]
+    told = [*ends, *_risky_visits(outlook), *_grouped(found), *noise]
     return tuple(sorted(told, key=lambda concern: not concern.is_fatal))
+
+
+def _risky_visits(outlook: Outlook) -> Iterator[Concern]:
+    """Yield the visits that alone risk more than Δ."""
+    if any(vehicle.via for vehicle in outlook.scenario.vehicles):
+        from radmpc.preflight.visit_risks import describe_risky_visits  # noqa: PLC0415 - few visit
+
+        for names, text in describe_risky_visits(outlook):
+            yield Concern("visit", names, text, is_fatal=True)
 
 
 def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterator[_Found]:

@@ -11,13 +11,14 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
+from radmpc.model.visits import Visit
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass
 
 __all__ = ["Box", "Shapes"]
 
 _TOL = 1e-6
-"""What a plan may miss its goal by [m]."""
+"""What a plan may miss its goal, or the box of a visit, by [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,6 +56,30 @@ class Box:
         upper = np.minimum(goal.upper, model.reach_upper[-1]) + _TOL
         # Out of reach: which corner is nearer does not matter, as long as it is a box.
         return cls(np.minimum(lower, upper), np.maximum(lower, upper), covariance)
+
+    @classmethod
+    def at_visit(cls, model: CondensedModel, visit: Visit, step: int) -> Box | None:
+        """Return where a vehicle's mean may be while it makes a visit.
+
+        Parameters
+        ----------
+        model : CondensedModel
+            The vehicle over the whole horizon.
+        visit : Visit
+            What it visits.
+        step : int
+            When.
+
+        Returns
+        -------
+        Box or None
+            None where it cannot be there by then.
+        """
+        lower = np.maximum(visit.lower, model.reach_lower[step]) - _TOL
+        upper = np.minimum(visit.upper, model.reach_upper[step]) + _TOL
+        if np.any(lower > upper):
+            return None
+        return cls(lower, upper, model.position_covariances[step])
 
     def corners(self, cells: int) -> Matrix:
         """Return the corners of its cells, ((cells+1)^d, d), the last axis fastest."""

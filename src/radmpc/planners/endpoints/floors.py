@@ -9,56 +9,21 @@ over the corners of small boxes, summed over hazards, is therefore a bound that 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.model.plan import Cause
-from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
 from radmpc.planners.endpoints.boxes import Box, Shapes
-from radmpc.planners.endpoints.charges import Place, border_charges, charges, distances, far_of
+from radmpc.planners.endpoints.charges import Place, charges, far_of
+from radmpc.planners.endpoints.looks import EndpointHazard, look_in, risks_of
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.relative import relative_covariances
 from radmpc.records import dataclass
 
 __all__ = ["EndpointHazard", "Floors", "floor_of", "floors", "start_hazards"]
-
-_CELLS = {2: 6, 3: 2}
-"""Cells per axis into which a goal is cut, by dimension [-]: hazards on opposite sides of it are
-least at different corners, and the fewer cells, the further is the sum of those from the least
-sum."""
-
-
-@dataclass(frozen=True, slots=True)
-class EndpointHazard:
-    """What a start or a goal risks of one kind.
-
-    Attributes
-    ----------
-    cause : {'obstacle', 'pair', 'workspace', 'range'}
-        What may happen.
-    members : tuple of int
-        The vehicle, or the two, by their numbers in the scenario.
-    other : str or None
-        The obstacle.
-    at_goal : bool
-        At the goal rather than at the start.
-    risk : float
-        Least probability [-].
-    distance : float
-        Largest distance of the mean, or of the two means, from what is to be avoided [m];
-        negative outside the workspace. Of a range the least distance of the two means.
-    """
-
-    cause: Cause
-    members: tuple[int, ...]
-    other: str | None
-    at_goal: bool
-    risk: float
-    distance: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,7 +122,7 @@ def _hazards(
     boxes = [Box.at_endpoint(model, at_goal=at_goal) for model in models]
     shapes = Shapes.of(scenario, scenario.horizon if at_goal else 0)
     looks = [
-        _look(scenario, i, boxes[i], shapes, at_goal=at_goal)
+        look_in(scenario, i, boxes[i], shapes, at_goal=at_goal)
         for i in (range(len(boxes)) if only is None else (only,))
     ]
     asked = [place for look in looks for places in look.places.values() for place in places]
@@ -165,87 +130,10 @@ def _hazards(
     found: list[EndpointHazard] = []
     least = np.zeros(len(boxes))
     for look in looks:
-        hazards, least[look.vehicle] = _of_vehicle(scenario, look, risks, at_goal=at_goal)
+        hazards, least[look.vehicle] = risks_of(scenario, look, risks, at_goal=at_goal)
         found += hazards
     found += _of_pairs(scenario, models, boxes, at_goal=at_goal, only=only)
     return tuple(sorted(found, key=lambda hazard: -hazard.risk)), least
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Look:
-    """What one vehicle is near at an endpoint.
-
-    Attributes
-    ----------
-    vehicle : int
-        Its number.
-    box : Box
-        Where its mean may be.
-    cells : int
-        Cells per axis into which that is cut.
-    points : (n, d) array
-        Their corners [m]; none where nothing is near.
-    places : dict of str to list of Place
-        Pieces of obstacles that it is near, by obstacle.
-    """
-
-    vehicle: int
-    box: Box
-    cells: int
-    points: Matrix
-    places: dict[str, list[Place]]
-
-
-def _look(scenario: Scenario, i: int, box: Box, shapes: Shapes, *, at_goal: bool) -> _Look:
-    """Return what one vehicle is near at an endpoint."""
-    vehicle = scenario.vehicles[i]
-    close = shapes.near(box, vehicle.radius, far_of(scenario))
-    if not close and scenario.workspace is None:
-        # As of most vehicles in a large fleet.
-        return _Look(i, box, 1, np.zeros((0, scenario.dimension)), {})
-    cells = _CELLS[scenario.dimension] if at_goal else 1
-    points = box.corners(cells)
-    mine = {obstacle.name for obstacle in met_by(scenario.obstacles, vehicle.name)}
-    places = {
-        name: [
-            Place(points, shapes.covariance(name, box), vehicle.radius, piece) for piece in pieces
-        ]
-        for name, pieces in close.items()
-        if name in mine
-    }
-    return _Look(i, box, cells, points, places)
-
-
-def _of_vehicle(
-    scenario: Scenario, look: _Look, risks: Iterator[Vector], *, at_goal: bool
-) -> tuple[list[EndpointHazard], float]:
-    """Return what one vehicle risks at an endpoint, hazard by hazard and in all."""
-    i, cells, points = look.vehicle, look.cells, look.points
-    if not points.size:
-        return [], 0.0
-    hazards: list[EndpointHazard] = []
-    fields: list[Vector] = []
-    for name, places in look.places.items():
-        # Pieces of one obstacle are one hazard: the worst of them is a bound on their union.
-        field = np.maximum.reduce([_cells(next(risks), cells) for _ in places])
-        pieces = (place.piece for place in places if place.piece is not None)
-        distance = min(float(distances(points, piece).max()) for piece in pieces)
-        fields.append(field)
-        hazards.append(
-            EndpointHazard("obstacle", (i,), name, at_goal, float(field.min()), distance)
-        )
-    borders = list(border_charges(scenario, look.box, points))
-    if borders:
-        # Opposite faces exclude each other, and the referee adds up all of them. Each is least at a
-        # corner of a cell; their sum may be least in between.
-        field = np.sum([_cells(leaving, cells) for leaving, _ in borders], axis=0)
-        fields.append(field)
-        distance = min(most for _, most in borders)
-        hazards.append(
-            EndpointHazard("workspace", (i,), None, at_goal, float(field.min()), distance)
-        )
-    least = float(np.sum(fields, axis=0).min()) if fields else 0.0
-    return [hazard for hazard in hazards if hazard.risk > 0.0], least
 
 
 def _of_pairs(
@@ -284,14 +172,3 @@ def _of_pairs(
         if risks.min() > 0.0:
             found.append(EndpointHazard("pair", (i, j), None, at_goal, float(risks.min()), most))
     return found
-
-
-def _cells(values: Vector, cells: int) -> Vector:
-    """Return the least value at the corners of every cell of a grid."""
-    if cells == 1:
-        return np.array([values.min()])
-    dimension = round(np.log(values.size) / np.log(cells + 1))
-    grid = values.reshape((cells + 1,) * dimension)
-    for axis in range(dimension):
-        grid = np.minimum(grid.take(range(cells), axis), grid.take(range(1, cells + 1), axis))
-    return np.asarray(grid.ravel())
