@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from radmpc.console.commands import check as command
 from radmpc.console.files import demo_text
+from radmpc.console.reports import progress
+from radmpc.console.reports.progress import progress_text
 from radmpc.data import template
+from radmpc.io.native.scenario_file import load_scenario
+from radmpc.preflight import concerns_of
 
 from .conftest import CROSSING, Run
 
@@ -112,3 +118,26 @@ def test_an_error_in_a_file_is_no_json(run: Run, tmp_path: Path) -> None:
     result = run("check", path, "--json")
     assert result.exit_code == 2
     assert result.stdout == ""
+
+
+def test_a_check_tells_on_a_terminal_what_it_looks_at(
+    run: Run, crossing: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+
+    @contextmanager
+    def noted() -> Iterator[Callable[..., None]]:
+        yield lambda stage, done, total: told.append(progress_text(stage, done, total))
+
+    monkeypatch.setattr(progress, "progress_line", noted)
+    quiet = run("check", crossing)
+    assert told == []
+    assert quiet.stderr == ""
+    outlook, concerns = command._watched(load_scenario(crossing))
+    assert told == [
+        "looking at vehicles 0/2",
+        "looking at vehicles 1/2",
+        "looked at vehicles, trying what helps 2/2",
+    ]
+    assert [seen.name for seen in outlook.vehicles] == ["east", "west"]
+    assert concerns == concerns_of(outlook)

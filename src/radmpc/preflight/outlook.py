@@ -115,13 +115,17 @@ class Outlook:
         return tuple(sorted(found, key=lambda hazard: (hazard.at_goal, -hazard.risk)))
 
 
-def outlook_of(scenario: Scenario) -> Outlook:
+def outlook_of(
+    scenario: Scenario, progress: Callable[[str, int, int | None], None] | None = None
+) -> Outlook:
     """Look at a scenario without planning it.
 
     Parameters
     ----------
     scenario : Scenario
         Any.
+    progress : callable or None
+        Takes what is looked at, how many vehicles have been, and of how many; None tells nobody.
 
     Returns
     -------
@@ -140,11 +144,12 @@ def outlook_of(scenario: Scenario) -> Outlook:
     endpoints, ranges = least_risks(scenario, places)
     risks = _risks(endpoints, ranges, scenario.num_vehicles)
     work = min(_WORK, _WORK_OF_ALL / scenario.num_vehicles)
-    vehicles = tuple(
-        _vehicle(scenario, i, covariances[i], places[i], risks[i], work)
-        for i in range(scenario.num_vehicles)
-    )
-    return Outlook(scenario, vehicles, endpoints, ranges)
+    vehicles = []
+    for i in range(scenario.num_vehicles):
+        if progress is not None:
+            progress("looking at vehicles", i, scenario.num_vehicles)
+        vehicles.append(_vehicle(scenario, i, covariances[i], places[i], risks[i], work))
+    return Outlook(scenario, tuple(vehicles), endpoints, ranges)
 
 
 def _risks(

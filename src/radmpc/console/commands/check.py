@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,8 @@ from radmpc.preflight.places import Narrowest, Passage
 if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.text import Text
+
+    from radmpc.console.reports.progress import ProgressCallback
 
 __all__ = ["check_report", "outlook_json", "run_check"]
 
@@ -56,13 +59,31 @@ def run_check(scenario: Scenario, *, as_json: bool) -> int:
     int
         The exit code: that of a valid file, whatever is warned of.
     """
-    outlook = outlook_of(scenario)
-    concerns = concerns_of(outlook)
+    outlook, concerns = _watched(scenario) if sys.stderr.isatty() else _seen(scenario, None)
     if as_json:
         show_json(outlook_json(outlook, concerns))
     else:
         show(*check_report(outlook, concerns))
     return Code.OK
+
+
+def _seen(
+    scenario: Scenario, progress: ProgressCallback | None
+) -> tuple[Outlook, tuple[Concern, ...]]:
+    """Return what there is to see of a scenario, and to warn of."""
+    outlook = outlook_of(scenario, progress)
+    if progress is not None:
+        count = len(outlook.vehicles)
+        progress("looked at vehicles, trying what helps", count, count)
+    return outlook, concerns_of(outlook)
+
+
+def _watched(scenario: Scenario) -> tuple[Outlook, tuple[Concern, ...]]:
+    """Do the same while somebody waits: narrow places beside uncertain obstacles take seconds."""
+    from radmpc.console.reports.progress import progress_line  # noqa: PLC0415 - for terminals alone
+
+    with progress_line() as line:
+        return _seen(scenario, line)
 
 
 def check_report(outlook: Outlook, concerns: Sequence[Concern]) -> list[RenderableType]:
