@@ -273,7 +273,7 @@ def test_every_failure_has_its_code(
     def fail(path: Path, changes: dict[str, object]) -> None:
         raise error
 
-    monkeypatch.setattr("radmpc.io.native.scenario_file.load_scenario", fail)
+    monkeypatch.setattr("radmpc.console.loading.load_scenario", fail)
     result = run("check", crossing)
     assert result.exit_code == code
     assert words in assert_one_line(result.stderr)
