@@ -206,7 +206,7 @@ def test_json_is_one_object_with_nothing_beside(run: Run, tmp_path: Path) -> Non
         ),
         (("wind.csv", "wind.csv"), "wind.csv: is named twice, and would count twice"),
         (("wind.csv", "--plot", "wind.csv"), "a figure must end in"),
-        ((), "Missing argument 'LOG...'"),
+        ((), "Missing argument 'LOG'"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(
