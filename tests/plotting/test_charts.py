@@ -88,6 +88,22 @@ def test_couplings_without_a_number_are_dashed(coupled: Plan) -> None:
     assert edges.get_linestyle()[0][1] is not None
 
 
+def test_a_set_planned_together_without_couplings_is_shaded_and_not_called_alone(
+    flat_plan: Plan,
+) -> None:
+    ax = plot_couplings(flat_plan)
+    [shade] = artists(ax, "set:a")
+    for name, is_in in (("a", True), ("b", True), ("c", False)):
+        [dot] = artists(ax, f"vehicle:{name}")
+        assert shade.get_path().contains_point(np.ravel(dot.get_data())) == is_in
+    [meaning] = artists(ax, "meaning")
+    assert meaning.get_text() == "shaded: together from the start, no risk apart estimated"
+    alone = plot_couplings(replace(flat_plan, sets=(("a",), ("b",), ("c",))))
+    assert artists(alone, "meaning")[0].get_text() == "no couplings: everyone planned alone"
+    for name in "abc":
+        assert artists(alone, f"set:{name}") == []
+
+
 def test_bars_are_the_ledger_and_the_line_is_their_sum(flat_plan: Plan) -> None:
     ledger = (
         LedgerRow("pair", "a", "b", 2, 0.01),

@@ -190,7 +190,8 @@ class Plan:
     trajectories : tuple of Trajectory
         One per vehicle, in the scenario's order; empty without a plan.
     couplings : tuple of Coupling
-        Why the vehicles of a set were planned together; empty where the planner does not ask.
+        Why the vehicles of a set were planned together; none in a set that was planned together
+        from the start.
     stopped_by : str or None
         The limit that ended the search, as a clause: "the time limit of 60 s was reached"; None
         where the search ended by itself.

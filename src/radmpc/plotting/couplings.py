@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -11,6 +12,8 @@ from matplotlib.patheffects import withStroke
 from radmpc.arrays import Matrix
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, Plan
+from radmpc.model.relations.couplings import unexplained_sets
+from radmpc.plotting.artists.obstacles import patch_of
 from radmpc.plotting.canvas.figure import check_axes, settle_layout
 from radmpc.plotting.canvas.headline import PLAIN, write_headline
 from radmpc.plotting.canvas.style import (
@@ -38,6 +41,9 @@ _ALONE = 0.6
 _BESIDE = 0.14
 """Distance from an edge to its number, in that unit."""
 
+_AROUND = 0.3
+"""Width of the shade around the vehicles of a set without couplings, in that unit."""
+
 _WHOLE = 10.0
 """Distance from which on whole meters are written [m]."""
 
@@ -53,7 +59,8 @@ def plot_couplings(plan: Plan, ax: Axes | None = None) -> Axes:
     """Draw the coupling graph: vehicles as dots, sets side by side, an edge per coupling.
 
     The layout shows who belongs together, not where anyone is. An edge is the darker, the more
-    likely a collision would have been; dashed ones have no number.
+    likely a collision would have been; dashed ones have no number. A set that was planned together
+    from the start, without any estimate of the risk apart, has no edges and is shaded.
 
     Parameters
     ----------
@@ -84,6 +91,7 @@ def plot_couplings(plan: Plan, ax: Axes | None = None) -> Axes:
         axes.text(0.5, 0.5, "no sets", transform=axes.transAxes, ha="center", fontsize=LABEL_SIZE)
         return axes
     settle_layout(axes)
+    _shade_sets(axes, plan, place_of)
     _draw_edges(axes, plan, place_of)
     _draw_vehicles(axes, plan, place_of)
     axes.text(
@@ -112,6 +120,19 @@ def _layout(sizes: list[int]) -> tuple[Matrix, tuple[float, float]]:
         places.append(center + r * np.column_stack([np.cos(angles), np.sin(angles)]))
         x += wide
     return np.vstack(places), (width, max(y + row, _ALONE))
+
+
+def _shade_sets(ax: Axes, plan: Plan, place_of: dict[str, Matrix]) -> None:
+    """Shade the sets that no coupling shows."""
+    colors = vehicle_colors([v.name for v in plan.scenario.vehicles], plan.sets)
+    for group in unexplained_sets(plan.sets, plan.couplings):
+        around = shapely.MultiPoint([place_of[name] for name in group]).convex_hull
+        patch = patch_of(around.buffer(_AROUND))
+        patch.set(
+            facecolor=(*colors[group[0]], 0.12), edgecolor="none", zorder=0.5,
+            gid=f"set:{group[0]}",
+        )  # fmt: skip
+        ax.add_patch(patch)
 
 
 def _draw_edges(ax: Axes, plan: Plan, place_of: dict[str, Matrix]) -> None:
@@ -182,7 +203,7 @@ def _number(coupling: Coupling) -> str:
 
 
 def _legend(plan: Plan) -> str:
-    """Return what the edges mean."""
+    """Return what edges and shades mean."""
     meanings = {
         "collision": "edge: risk of collision if planned apart (≤ 1)",
         "risk": "edge: risk of collision in the approximation",
@@ -194,6 +215,6 @@ def _legend(plan: Plan) -> str:
     told = [
         text for reason, text in meanings.items() if any(c.reason == reason for c in plan.couplings)
     ]
-    if told:
-        return "\n".join(told)
-    return "all together" if len(plan.sets) == 1 else "no couplings: everyone planned alone"
+    if unexplained_sets(plan.sets, plan.couplings):
+        told.append("shaded: together from the start, no risk apart estimated")
+    return "\n".join(told) or "no couplings: everyone planned alone"

@@ -75,6 +75,20 @@ def test_the_report_says_why_vehicles_were_planned_together(
     assert f"because           {told}\n" in shown(capsys, make_plan(couplings=(coupling,)))
 
 
+def test_sets_that_were_planned_together_from_the_start_say_so(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    why = "from the start: no risk of planning them apart was estimated"
+    assert f"because           planned together {why}" in shown(capsys, make_plan())
+    mixed = make_plan(
+        sets=(("v1", "v4"), ("v2", "v3")), couplings=(Coupling("v1", "v4", "collision", 0.2),)
+    )
+    told = f"v1 and v4 would run a risk of 0.2 if planned apart; {{v2, v3}} planned together {why}"
+    assert told in " ".join(shown(capsys, mixed).split())
+    alone = make_plan(sets=(("v1",), ("v2",), ("v3",)))
+    assert "because" not in shown(capsys, alone)
+
+
 def test_of_many_reasons_the_strongest_are_told(capsys: pytest.CaptureFixture[str]) -> None:
     couplings = tuple(Coupling("v1", f"w{i}", "collision", 0.1 * i) for i in range(1, 8))
     text = " ".join(shown(capsys, make_plan(couplings=couplings)).split())
@@ -90,7 +104,9 @@ def test_pairs_that_would_surely_collide_share_a_sentence(
     text = shown(capsys, make_plan(couplings=(*rest, *sure[:2])))
     apart = "would almost surely collide if planned apart"
     assert f"because           v1 and w2, v1 and w1 {apart}; v2 and v3 would run" in text
-    assert f"v1 and w3, 2 more pairs {apart}\n" in shown(capsys, make_plan(couplings=sure))
+    assert f"v1 and w3, 2 more pairs {apart}\n" in shown(
+        capsys, make_plan(couplings=sure, sets=(("v1", *(c.other for c in sure)),))
+    )
 
 
 def test_a_bound_that_is_exceeded_limited_nothing(capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from radmpc.model.limits import tight_limits
 from radmpc.model.plan import Coupling, Plan, Status
+from radmpc.model.relations.couplings import unexplained_sets
 from radmpc.model.scenario import Scenario
 from radmpc.wording import count_text, percent
 
@@ -47,12 +48,13 @@ def reasons_text(plan: Plan) -> str:
     Parameters
     ----------
     plan : Plan
-        With couplings.
+        With sets.
 
     Returns
     -------
     str
-        Four reasons at most, and how many others there are.
+        Four reasons at most, how many others there are, and which sets have none; empty where
+        everyone was planned alone.
     """
     ordered = sorted(plan.couplings, key=_strength, reverse=True)
     sure = [c for c in ordered if c.is_sure]
@@ -61,7 +63,25 @@ def reasons_text(plan: Plan) -> str:
     num_told = _MOST_REASONS - len(told)
     told += [coupling.sentence for coupling in rest[:num_told]]
     hidden = len(rest[num_told:])
-    return "; ".join(told) + (f"; and {count_text(hidden, 'more coupling')}" if hidden else "")
+    told += [f"and {count_text(hidden, 'more coupling')}"] if hidden else []
+    return "; ".join([*told, *_without_reasons(plan)])
+
+
+def _without_reasons(plan: Plan) -> list[str]:
+    """Return, where there are any, which sets were planned together without estimates."""
+    unexplained = unexplained_sets(plan.sets, plan.couplings)
+    if not unexplained:
+        return []
+    # Whose reasons are told is plain where they are told of nobody.
+    who = f"{_unexplained(unexplained)} " if plan.couplings else ""
+    return [f"{who}planned together from the start: no risk of planning them apart was estimated"]
+
+
+def _unexplained(sets: Sequence[Sequence[str]]) -> str:
+    """Return a few sets, and how many others there are."""
+    told = ["{" + ", ".join(group) + "}" for group in sets[:_MOST_REASONS]]
+    hidden = len(sets) - len(told)
+    return ", ".join(told) + (f" and {count_text(hidden, 'more set')}" if hidden else "")
 
 
 def _sure_text(sure: Sequence[Coupling]) -> str:

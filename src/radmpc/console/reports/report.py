@@ -99,8 +99,9 @@ def _plan_rows(plan: Plan, preset: str, *, bounds_risk: bool) -> dict[str, Text 
     if left_over:
         rows["risk left over"] = left_over
     rows["planned together"] = _sets(plan.sets)
-    if plan.couplings:
-        rows["because"] = reasons_text(plan)
+    reasons = reasons_text(plan)
+    if reasons:
+        rows["because"] = reasons
     advice = advice_text(plan, preset, bounds_risk=bounds_risk)
     if advice:
         rows["advice"] = Text(advice, style="yellow")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
 from radmpc.records import dataclass
 
-__all__ = ["Coupling", "Reason"]
+__all__ = ["Coupling", "Reason", "unexplained_sets"]
 
 Reason = Literal["collision", "risk", "blocked", "distance", "share", "range"]
 
@@ -57,3 +58,21 @@ class Coupling:
             "range": f"{pair} keep a range of {value:.3g} m",
         }
         return texts[self.reason]
+
+
+def unexplained_sets(
+    sets: Sequence[Sequence[str]], couplings: Sequence[Coupling]
+) -> tuple[tuple[str, ...], ...]:
+    """Return the sets of several vehicles without a coupling between any two of them.
+
+    A plan made without planning their vehicles apart first has no risk of that to tell.
+
+    Parameters
+    ----------
+    sets : sequence of sequence of str
+        Which vehicles were planned together.
+    couplings : sequence of Coupling
+        Why they were.
+    """
+    coupled = {name for coupling in couplings for name in (coupling.vehicle, coupling.other)}
+    return tuple(tuple(group) for group in sets if len(group) > 1 and coupled.isdisjoint(group))
