@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import combinations
 
+import numpy as np
 import pytest
 import shapely
 from matplotlib.axes import Axes
@@ -13,6 +14,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
 from radmpc.plotting import plot_plan, plot_scenario
 from radmpc.plotting.canvas.style import MAX_PANEL_LABELS
 
@@ -81,3 +83,71 @@ def test_small_panels_of_pictures_in_space_name_a_few_alone(space_plan: Plan) ->
         named = [any(t.get_text() == "v1" for t in ax.texts) for ax in panels]
         assert any(named) == (count <= MAX_PANEL_LABELS)
         assert any(t.get_text().strip() == "v1" for t in oblique.texts)
+
+
+def led(ax: Axes) -> set[str]:
+    """Return the names with a line to their start."""
+    return {line.get_gid()[7:] for line in ax.lines if (line.get_gid() or "").startswith("leader:")}
+
+
+def crowd() -> Scenario:
+    """Two rows of vehicles so close that not all names have room beside their starts."""
+    rows = (("agent", 0.0, 12.0), ("other", 1.3, -12.0))
+    vehicles = [
+        make_vehicle(f"{name}{k}", [1.3 * k, y], [1.3 * k, goal])
+        for name, y, goal in rows
+        for k in range(8)
+    ]
+    return replace(scene(), vehicles=tuple(vehicles))
+
+
+def hull_of(vehicle: Vehicle) -> shapely.Polygon:
+    """Return the box around a hull at the start [m]."""
+    start, radius = vehicle.start_position, vehicle.radius
+    return shapely.box(*(start - radius), *(start + radius))
+
+
+def test_a_name_beside_its_start_has_no_line_to_it() -> None:
+    ax = plot_scenario(scene())
+    assert {"v", "w"} <= set(boxes_of(ax))
+    assert led(ax) == set()
+
+
+def test_a_name_that_is_nearer_to_another_vehicle_or_far_away_has_a_line_to_its_start() -> None:
+    fleet = crowd().vehicles
+    ax = plot_plan(make_plan(crowd()))
+    boxes, leaders = boxes_of(ax), led(ax)
+    assert leaders
+    for vehicle in fleet:
+        if vehicle.name not in boxes or vehicle.name in leaders:
+            continue
+        box = boxes[vehicle.name]
+        apart = box.distance(hull_of(vehicle))
+        assert apart < 1.5 * (box.bounds[3] - box.bounds[1])
+        for other in fleet:
+            # Letters are taken for wider than they are.
+            assert box.distance(hull_of(other)) >= apart - 0.25
+
+
+def test_a_line_leads_from_the_hull_at_the_start_to_the_name() -> None:
+    scenario = crowd()
+    ax = plot_plan(make_plan(scenario))
+    boxes = boxes_of(ax)
+    for name in led(ax):
+        [line] = [one for one in ax.lines if one.get_gid() == f"leader:{name}"]
+        start, end = line.get_xydata()
+        [vehicle] = [one for one in scenario.vehicles if one.name == name]
+        assert np.linalg.norm(start - vehicle.start_position) == pytest.approx(vehicle.radius)
+        assert boxes[name].distance(shapely.Point(end)) < 0.3
+
+
+def test_names_of_vehicles_stay_out_of_obstacles_that_bear_their_own() -> None:
+    walls = [
+        Obstacle.box("above", [-3.0, 0.6], [23.0, 4.0]),
+        Obstacle.box("below", [-3.0, -4.0], [23.0, -0.6]),
+    ]
+    ax = plot_plan(make_plan(scene(*walls)))
+    boxes = boxes_of(ax)
+    for wall in walls:
+        corners = shapely.box(*np.r_[wall.at(0)[0].vertices.min(0), wall.at(0)[0].vertices.max(0)])
+        assert corners.intersection(boxes["v"]).area < 0.5 * boxes["v"].area

@@ -6,11 +6,12 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Vector
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.flat import Color, draw_ends, draw_workspace, number_visits
-from radmpc.plotting.artists.obstacles import draw_obstacle, name_obstacle
+from radmpc.plotting.artists.obstacles import draw_obstacle, name_obstacle, seen
 from radmpc.plotting.artists.relations import draw_ranges
 from radmpc.plotting.artists.space import (
     draw_ends_3d,
@@ -145,18 +146,21 @@ def draw_surroundings(
         for vehicle in scenario.vehicles:
             draw_ends_3d(ax, vehicle, colors[vehicle.name])
         return
-    seen = list(plane)
+    coordinates = list(plane)
     if scenario.workspace is not None:
         draw_workspace(ax, scenario.workspace, board, plane)
     for vehicle in scenario.vehicles:
         draw_ends(ax, vehicle, colors[vehicle.name], plane)
-        start, goal = vehicle.start_position[seen], vehicle.goal.center[seen]
+        start, goal = vehicle.start_position[coordinates], vehicle.goal.center[coordinates]
         board.avoid(_ring(start, vehicle.radius), _ring(goal, 0.5 * vehicle.radius))
     if scenario.num_vehicles <= most_named(scenario, board):
         for vehicle in scenario.vehicles:
             number_visits(vehicle, colors[vehicle.name], board, plane)
+    is_named = _are_named(scenario, most_named(scenario, board))
     for obstacle in obstacles:
         draw_obstacle(ax, obstacle, board, plane=plane, strength=pale[obstacle.name])
+        if is_named and not obstacle.is_moving:
+            board.solids += [one for p in obstacle.at(0) if (one := seen(p, plane)).area > 0.0]
         draw_spread(ax, obstacle, plane)
 
 
@@ -189,9 +193,22 @@ def name_vehicles(
         color = colors[vehicle.name]
         if isinstance(board, SpaceBoard):
             board.beside(vehicle.name, vehicle.start_position, color)
-        else:
-            hull = np.full(2, vehicle.radius)
-            board.beside(vehicle.name, vehicle.start_position[list(plane)], hull, color)
+            continue
+        place = vehicle.start_position[list(plane)]
+        board.name(vehicle.name, place, vehicle.radius, color, _ends(scenario, vehicle, plane))
+
+
+def _ends(scenario: Scenario, besides: Vehicle, plane: Plane) -> list[Vector]:
+    """Return boxes around the starts and goals of all vehicles but one, (4,) each [m]."""
+    coordinates = list(plane)
+    boxes = []
+    for vehicle in scenario.vehicles:
+        if vehicle is besides:
+            continue
+        place, goal = vehicle.start_position[coordinates], vehicle.goal
+        boxes.append(np.concatenate([place - vehicle.radius, place + vehicle.radius]))
+        boxes.append(np.concatenate([goal.lower[coordinates], goal.upper[coordinates]]))
+    return boxes
 
 
 def name_obstacles(

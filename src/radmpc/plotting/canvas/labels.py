@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,17 +12,20 @@ from matplotlib.colors import to_rgba
 from matplotlib.patheffects import withStroke
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.plotting.canvas.places import (
+    Around,
+    best_name_place,
+    best_place,
+    cost_of,
+    nearest_in,
+)
 from radmpc.plotting.canvas.style import LABEL_SIZE
 from radmpc.records import dataclass, field
 
-__all__ = ["LETTER", "LabelBoard", "best_place"]
+__all__ = ["LETTER", "LabelBoard"]
 
 # Width and height of a letter in units of the font size: rough, and always a little too wide.
 LETTER = (0.62, 1.25)
-_DIRECTIONS = [
-    (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0),
-    (0.75, 0.75), (-0.75, 0.75), (0.75, -0.75), (-0.75, -0.75),
-]  # fmt: skip
 _SHARES = [(x, y) for x in (0.0, -0.5, 0.5, -1.0, 1.0) for y in (0.0, -0.5, 0.5, -1.0, 1.0)]
 """Places in a box that are tried, in shares of what is left around a text there [-]."""
 _FRAME: dict[str, Any] = {
@@ -45,11 +48,14 @@ class LabelBoard:
         What a text should not cover [m].
     boxes : list of (4,) array
         Texts placed so far: x0, y0, x1, y1 [m].
+    solids : list of Geometry
+        What bears its name inside, so that another there would be misread.
     """
 
     axes: Axes
     points: list[Matrix] = field(default_factory=list)
     boxes: list[Vector] = field(default_factory=list)
+    solids: list[shapely.Geometry] = field(default_factory=list)
 
     def avoid(self, *clouds: Matrix) -> None:
         """Keep later texts off these points, each (p, 2) [m]."""
@@ -99,7 +105,7 @@ class LabelBoard:
         bool
             Whether it has room.
         """
-        half_text, cloud = 0.5 * self.size(text), _cloud(self.points)
+        half_text, around = 0.5 * self.size(text), self._around()
         corners = shapely.get_coordinates(shape)[:-1]
         center, half_size = corners.mean(axis=0), 0.5 * np.ptp(corners, axis=0)
         found: list[tuple[float, float, Vector]] = []
@@ -115,7 +121,7 @@ class LabelBoard:
                 if not is_in and any(share):
                     continue
                 far = 0.1 * float(np.abs(share).sum()) + (rotation > 0.0)
-                found.append((_badness(box, cloud, self.boxes, self._frame) + far, rotation, place))
+                found.append((cost_of(box, around) + far, rotation, place))
         if not found:
             return False
         _, rotation, place = min(found, key=lambda one: one[0])
@@ -153,14 +159,54 @@ class LabelBoard:
             Whether the text stands in a frame with round corners.
         """
         half_text = 0.5 * self.size(f"{text} " if is_framed else text, size)
-        place = best_place(center, half_size, half_text, self.points, self.boxes, self._frame)
+        place = best_place(center, half_size, half_text, self._around())
         self.put(text, place, color, size=size, gid=gid, is_framed=is_framed)
 
-    @property
-    def _frame(self) -> Vector:
-        """What no text should leave: x0, y0, x1, y1 [m]."""
+    def name(
+        self, text: str, center: Vector, radius: float, color: Any, rivals: Sequence[Vector]
+    ) -> None:
+        """Write a vehicle's name beside its start, with a line to it where it has to be farther.
+
+        A name that would lie on others wherever it stood is left out.
+
+        Parameters
+        ----------
+        text : str
+            The name.
+        center : (2,) array
+            Of the start [m].
+        radius : float
+            Of the hull [m].
+        color : color
+            Of the vehicle.
+        rivals : sequence of (4,) array
+            Boxes around starts and goals of others: x0, y0, x1, y1 [m].
+        """
+        half_text, hull = 0.5 * self.size(text), np.full(2, radius)
+        found = best_name_place(center, hull, half_text, self._around(rivals))
+        if found is None:
+            return
+        place, is_led = found
+        self.put(text, place, color)
+        if is_led:
+            self._lead(text, nearest_in(self.boxes[-1], center), center, radius, color)
+
+    def _lead(self, name: str, end: Vector, center: Vector, radius: float, color: Any) -> None:
+        """Draw the line from a name to its start."""
+        away = end - center
+        start = center + radius * away / max(float(np.linalg.norm(away)), _ROUNDING)
+        self.axes.plot(
+            *np.column_stack([start, end]), color=color, linewidth=0.5, zorder=9.5,
+            gid=f"leader:{name}", path_effects=[withStroke(linewidth=1.3, foreground="white")],
+        )  # fmt: skip
+        self.avoid(start + np.linspace(0.0, 1.0, 12)[:, None] * (end - start))
+
+    def _around(self, rivals: Sequence[Vector] = ()) -> Around:
+        """Return what is around texts [m]."""
         (left, right), (low, high) = self.axes.get_xlim(), self.axes.get_ylim()
-        return np.array([left, low, right, high])
+        points = np.vstack(self.points) if self.points else np.empty((0, 2))
+        frame = np.array([left, low, right, high])
+        return Around(points, self.boxes, frame, rivals, self.solids)
 
     def put(
         self,
@@ -212,60 +258,3 @@ class LabelBoard:
             bbox=frame,
             path_effects=[withStroke(linewidth=1.4, foreground="white")],
         )
-
-
-def best_place(
-    center: Vector,
-    half_size: Vector,
-    half_text: Vector,
-    points: Sequence[Matrix],
-    boxes: Sequence[Vector],
-    frame: Vector,
-) -> Vector:
-    """Return where a text next to a thing covers the least, (2,); all in one unit.
-
-    Parameters
-    ----------
-    center, half_size : (2,) array
-        Middle of the thing, and half the width and height of the box around it.
-    half_text : (2,) array
-        Half the width and height of the text.
-    points : sequence of (p, 2) array
-        What it should not cover.
-    boxes : sequence of (4,) array
-        Texts placed so far: x0, y0, x1, y1.
-    frame : (4,) array
-        What it should not leave.
-    """
-    cloud = _cloud(points)
-    found: list[tuple[float, Vector]] = []
-    for gap in (0.5, 1.5, 3.0):
-        for i, direction in enumerate(_DIRECTIONS):
-            place = center + np.asarray(direction) * (half_text + half_size + gap * half_text[1])
-            box = np.concatenate([place - half_text, place + half_text])
-            # Ties go to the nearer and earlier candidate: pictures stay the same.
-            found.append((_badness(box, cloud, boxes, frame) + 0.6 * gap + 0.01 * i, place))
-    return min(found, key=lambda one: one[0])[1]
-
-
-def _cloud(points: Sequence[Matrix]) -> Matrix:
-    """Return all points, (p, 2)."""
-    return np.vstack(points) if points else np.empty((0, 2))
-
-
-def _badness(box: Vector, points: Matrix, boxes: Sequence[Vector], frame: Vector) -> float:
-    """Return how much a text in this box would cover; leaving the frame counts most."""
-    inside = np.all((points >= box[:2]) & (points <= box[2:]), axis=1)
-    covered = sum(_overlap(box, other) for other in boxes)
-    area = float(np.prod(box[2:] - box[:2]))
-    is_outside = bool(np.any(box[:2] < frame[:2]) or np.any(box[2:] > frame[2:]))
-    # One text on another can be read no more; on a path it can.
-    texts = 10.0 * (covered > 0.0) + 30.0 * covered / area
-    return float(inside.sum()) + texts + 50.0 * is_outside
-
-
-def _overlap(first: Vector, second: Vector) -> float:
-    """Return the area that two boxes share."""
-    sides: Iterable[float] = np.minimum(first[2:], second[2:]) - np.maximum(first[:2], second[:2])
-    width, height = sides
-    return max(width, 0.0) * max(height, 0.0)

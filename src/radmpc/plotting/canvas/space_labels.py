@@ -11,7 +11,8 @@ from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.plotting.canvas.figure import cell_of
-from radmpc.plotting.canvas.labels import LETTER, LabelBoard, best_place
+from radmpc.plotting.canvas.labels import LETTER, LabelBoard
+from radmpc.plotting.canvas.places import Around, best_place
 from radmpc.plotting.canvas.style import LABEL_SIZE
 from radmpc.records import dataclass, field
 
@@ -70,10 +71,8 @@ class SpaceBoard:
         scale = self.axes.get_figure(root=True).dpi / 72.0
         half = 0.5 * np.array([LETTER[0] * len(text), LETTER[1]]) * size * scale
         center = self._seen(place[None, :])[0]
-        window = cell_of(self.axes)
-        frame = np.array([window.x0, window.y0, window.x1, window.y1])
         mark = np.full(2, _HALF_MARK * scale * size / LABEL_SIZE)
-        found = best_place(center, mark, half, self.points, self.boxes, frame)
+        found = best_place(center, mark, half, self._around())
         self.boxes.append(np.concatenate([found - half, found + half]))
         right, up = (found - center) / (72.0 * scale)
         beside = ScaledTranslation(right, up, self.axes.get_figure(root=True).dpi_scale_trans)
@@ -83,6 +82,13 @@ class SpaceBoard:
             ha="center", va="center", zorder=56, gid=gid or f"label:{text}",
             path_effects=[withStroke(linewidth=1.4, foreground="white")],
         )  # fmt: skip
+
+    def _around(self) -> Around:
+        """Return what is around texts [px]."""
+        window = cell_of(self.axes)
+        points = np.vstack(self.points) if self.points else np.empty((0, 2))
+        frame = np.array([window.x0, window.y0, window.x1, window.y1])
+        return Around(points, self.boxes, frame)
 
     def _seen(self, points: Matrix) -> Matrix:
         """Return where points in space are seen, (p, 2) [px]."""
