@@ -1,14 +1,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
+from matplotlib.colors import rgb_to_hsv, to_rgb
 
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.plotting.canvas.extent import plan_extent, scenario_extent
-from radmpc.plotting.canvas.style import vehicle_colors
+from radmpc.plotting.canvas.style import HUES, vehicle_colors
 from radmpc.plotting.curves import confidence_ellipses, ellipsoid_rings, mean_path, point_along
 
 from .conftest import fly
@@ -78,3 +80,32 @@ def test_a_scenario_on_a_line_is_not_drawn_flat(flat_scenario: Scenario) -> None
 def test_vehicles_in_no_set_get_hues_of_their_own() -> None:
     colors = vehicle_colors(["a", "b", "c"], [("b", "c")])
     assert len(set(colors.values())) == 3
+
+
+def apart_of(one: object, other: object) -> float:
+    """Return how far apart two colors are, black and white being 441."""
+    return float(255.0 * np.linalg.norm(np.subtract(to_rgb(one), to_rgb(other))))
+
+
+def test_sets_have_hues_of_their_own_as_long_as_there_are_enough() -> None:
+    names = [f"v{i}" for i in range(len(HUES))]
+    colors = list(vehicle_colors(names, [[name] for name in names]).values())
+    assert colors == [to_rgb(hue) for hue in HUES]
+    assert min(apart_of(a, b) for a, b in combinations(colors, 2)) > 60.0
+
+
+def test_where_hues_run_out_vehicles_alone_share_none_with_a_set() -> None:
+    sets = [[f"a{i}"] for i in range(9)] + [["b1", "b2"], ["c1", "c2", "c3"]]
+    names = [name for group in sets for name in group]
+    colors = vehicle_colors(names, sets)
+    hues = {name: round(float(rgb_to_hsv(color)[0]), 3) for name, color in colors.items()}
+    of_sets = {hues["b1"], hues["c1"]}
+    assert len(of_sets) == 2
+    assert hues["b1"] == hues["b2"]
+    assert of_sets.isdisjoint(hues[f"a{i}"] for i in range(9))
+    assert len(set(colors.values())) == len(names)
+
+
+def test_four_vehicles_of_a_set_differ_in_color() -> None:
+    colors = vehicle_colors("abcd", ["abcd"]).values()
+    assert min(apart_of(a, b) for a, b in combinations(colors, 2)) > 60.0

@@ -85,7 +85,7 @@ def test_a_legend_with_every_sign_stays_within_the_picture(dimension: int) -> No
         "range, widest",
         "for some only",
         "when nearest",
-        "dashed: same set",
+        "same set (first solid)",
     } <= {text.get_text() for text in legend.get_texts()}
     box = legend.get_window_extent()
     assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width

@@ -79,9 +79,9 @@ def test_vehicles_planned_together_differ_in_line_style(flat_plan: Plan) -> None
 
 
 def test_dashed_paths_are_in_the_legend_where_there_are_any(flat_plan: Plan) -> None:
-    assert "dashed: same set" in legend(plot_plan(flat_plan))
+    assert "same set (first solid)" in legend(plot_plan(flat_plan))
     alone = replace(flat_plan, sets=(("a",), ("b",), ("c",)))
-    assert "dashed: same set" not in legend(plot_plan(alone))
+    assert "same set (first solid)" not in legend(plot_plan(alone))
 
 
 def test_without_a_plan_the_reason_is_told_and_no_path_explained(empty_plan: Plan) -> None:

@@ -187,7 +187,7 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
         entries["mean path, step no."] = line
         if any(dashes != "solid" for dashes in _dashes(plan)):
             dashed = Line2D([], [], color=MUTED, linewidth=1.1, linestyle=(0, (5, 1.2)))
-            entries["dashed: same set"] = dashed
+            entries["same set (first solid)"] = dashed
         if is_flat:
             entries["3σ"] = _sign("o", 7.0, "#55555533", "#55555573", 0.35)
             entries["swept hull"] = Patch(facecolor="#5555551A")

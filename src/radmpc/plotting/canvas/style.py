@@ -11,6 +11,7 @@ Dashes = str | tuple[int, tuple[float, ...]]
 __all__ = [
     "ALERT",
     "COLUMN_WIDTH",
+    "HUES",
     "LABEL_SIZE",
     "MAX_LABELS",
     "MAX_PANEL_LABELS",
@@ -33,6 +34,10 @@ __all__ = [
 # Okabe and Ito, "Color universal design" (2008), less black, which means text here, and yellow,
 # which is too pale for lines. Sky blue comes last: a tint of the first blue resembles it.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+
+# Without sky blue, whose hue is that of the first blue.
+HUES = (*PALETTE[:5], "#7B3FB0", "#73A800", "#D0129C")
+"""Of the sets of a fleet: violet, lime and magenta where there are more than five."""
 
 ALERT = "#C00000"
 MUTED = "#555555"
@@ -69,8 +74,9 @@ MAX_LABELS = 24
 MAX_PANEL_LABELS = 8
 """The same in the small panels from above and from the side of a picture in space."""
 
-# Far apart in lightness, so that they differ in gray print, too.
-_SHADES = (0.0, -0.55, 0.42, -0.28, 0.2)
+# What is mixed into a color, and its share: far apart in lightness, so that they differ in gray
+# print, too. The fourth is grayish: by lightness alone it would resemble the first.
+_SHADES = ((0.0, 0.0), (0.0, 0.55), (1.0, 0.42), (0.4, 0.6), (1.0, 0.2))
 _DASHES: tuple[Dashes, ...] = ("solid", (0, (5, 1.2)), (0, (6, 1.2, 1.2, 1.2)), (0, (2, 1)))
 
 
@@ -78,6 +84,9 @@ def vehicle_colors(
     names: Sequence[str], sets: Sequence[Sequence[str]]
 ) -> dict[str, tuple[float, float, float]]:
     """Return a color per vehicle: one hue per set, one shade per vehicle in it.
+
+    Where there are more sets than hues, vehicles planned alone share what sets of several leave,
+    in other shades, and sets of several share hues last.
 
     Parameters
     ----------
@@ -94,10 +103,22 @@ def vehicle_colors(
     listed = {name for group in sets for name in group}
     groups = [*sets, *([name] for name in names if name not in listed)]
     colors = {}
-    for i, group in enumerate(groups):
+    for group, (hue, turn) in zip(groups, _hues([len(group) > 1 for group in groups]), strict=True):
         for j, name in enumerate(group):
-            colors[name] = _shade(PALETTE[i % len(PALETTE)], _SHADES[j % len(_SHADES)])
+            colors[name] = _shade(hue, *_SHADES[(turn + j) % len(_SHADES)])
     return colors
+
+
+def _hues(are_several: Sequence[bool]) -> list[tuple[str, int]]:
+    """Return each set's hue, and how often hues were repeated before it is given."""
+    count, several = len(are_several), sum(are_several)
+    if count <= len(HUES) or several >= len(HUES):
+        return [(HUES[i % len(HUES)], i // len(HUES)) for i in range(count)]
+    own, shared, found = iter(HUES), HUES[several:], []
+    for i, is_several in enumerate(are_several):
+        k = i - sum(are_several[:i])
+        found.append((next(own), 0) if is_several else (shared[k % len(shared)], k // len(shared)))
+    return found
 
 
 def vehicle_dashes(names: Sequence[str], sets: Sequence[Sequence[str]]) -> dict[str, Dashes]:
@@ -127,11 +148,9 @@ def numbered_steps(horizon: int) -> range:
     return range(stride, horizon, stride)
 
 
-def _shade(color: str, amount: float) -> tuple[float, float, float]:
-    """Mix a color with white (amount > 0) or black (amount < 0)."""
-    target = 1.0 if amount > 0.0 else 0.0
+def _shade(color: str, target: float, share: float) -> tuple[float, float, float]:
+    """Mix a color with a gray, of which 0 is black and 1 is white."""
     red, green, blue = to_rgb(color)
-    share = abs(amount)
     return (
         red + share * (target - red),
         green + share * (target - green),
