@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
+from matplotlib.markers import MarkerStyle
 
 from radmpc.model.plan import LedgerRow, Plan, Risk
 from radmpc.model.scenario import Scenario
@@ -120,3 +121,19 @@ def test_space_shows_shadows_and_few_ellipsoids_and_stars_in_front(space_plan: P
     (star,), (path,) = artists(ax, "goal:up"), artists(ax, "path:up")
     assert star.get_zorder() > path.get_zorder()
     assert len(artists(ax, "step:up:2")) == 1
+
+
+def test_arrow_heads_are_narrow_point_along_the_path_and_stand_between_steps(
+    flat_plan: Plan,
+) -> None:
+    ax = plot_plan(flat_plan)
+    steps = flat_plan.trajectories[1].means[:, :2]
+    for head in artists(ax, "arrow:b"):
+        marker = MarkerStyle(head.get_marker())
+        length, width = np.ptp(marker.get_path().vertices, axis=0)
+        assert length > 2.0 * width
+        # From (3, 9) down to (3, 1).
+        tip = head._marker.get_transform().transform(marker.get_path().vertices)[0]
+        np.testing.assert_allclose(tip / np.linalg.norm(tip), [0.0, -1.0], atol=1e-9)
+        apart = np.abs(np.ravel(head.get_data())[1] - steps[:, 1])
+        assert apart.min() > 0.3 * np.sort(apart)[:2].sum()

@@ -6,12 +6,13 @@ import numpy as np
 import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
-from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
+from matplotlib.patches import Circle, Rectangle
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Vector
 from radmpc.model.plan import Trajectory
 from radmpc.model.scenario import Workspace
 from radmpc.model.vehicle import Vehicle
+from radmpc.plotting.artists.arrows import draw_arrows
 from radmpc.plotting.artists.obstacles import along_lines, patch_of
 from radmpc.plotting.canvas.labels import LabelBoard
 from radmpc.plotting.canvas.style import MUTED, NUMBER_SIZE, STAR_SIZE, Dashes, numbered_steps
@@ -20,7 +21,6 @@ from radmpc.plotting.curves import (
     Plane,
     confidence_ellipses,
     mean_path,
-    point_along,
     positions,
 )
 
@@ -213,13 +213,12 @@ def draw_trajectory(
         autolim=False,
     )
     ax.plot(*path.T, color=color, linewidth=1.1, linestyle=dashes, zorder=5, gid=f"path:{name}")
-    steps = positions(vehicle, trajectory)[1:, list(plane)]
+    steps = positions(vehicle, trajectory)[:, list(plane)]
     ax.plot(
-        *steps.T, linestyle="none", marker=".", markersize=3.2, color=color, zorder=5.5,
+        *steps[1:].T, linestyle="none", marker=".", markersize=3.2, color=color, zorder=5.5,
         gid=f"steps:{name}",
     )  # fmt: skip
-    for share in (0.3, 0.7):
-        _draw_arrow(ax, path, share, color, name)
+    draw_arrows(ax, path, steps, color, name)
 
 
 def number_steps(
@@ -256,27 +255,3 @@ def number_steps(
             size=NUMBER_SIZE,
             gid=f"step:{vehicle.name}:{k}",
         )
-
-
-def _draw_arrow(ax: Axes, path: Matrix, share: float, color: Color, name: str) -> None:
-    """Draw an arrow head on the path."""
-    found = point_along(path, share)
-    if found is None:
-        return
-    point, direction = found
-    # The shaft is shrunk to nothing: only the head shows, whatever the scale.
-    tail = point - 1e-3 * direction
-    ax.add_patch(
-        FancyArrowPatch(
-            (float(tail[0]), float(tail[1])),
-            (float(point[0]), float(point[1])),
-            arrowstyle="-|>,head_length=0.5,head_width=0.28",
-            mutation_scale=9.0,
-            shrinkA=0.0,
-            shrinkB=0.0,
-            linewidth=0.4,
-            color=color,
-            zorder=6.5,
-            gid=f"arrow:{name}",
-        )
-    )
