@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -62,7 +63,7 @@ def test_an_edge_joins_the_dots_of_its_vehicles(coupled: Plan) -> None:
 
 
 def test_no_two_vehicles_share_a_place_however_the_sets_are(coupled: Plan) -> None:
-    for sizes in ([7, 2, 1], [1] * 30, [2] * 9, [3, 3, 1, 1], [1]):
+    for sizes in ([7, 2, 1], [1] * 30, [2] * 9, [3, 3, 1, 1], [1], [9, 9, 4, 3, 2, 2, 1, 1, 1]):
         names = iter(range(100))
         sets = tuple(tuple(f"v{next(names)}" for _ in range(n)) for n in sizes)
         scenario = coupled.scenario
@@ -80,6 +81,30 @@ def test_no_two_vehicles_share_a_place_however_the_sets_are(coupled: Plan) -> No
         assert apart.min() > 0.5
         (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
         assert np.all((dots > [left, low]) & (dots < [right, high]))
+
+
+def test_names_of_a_coupling_graph_lie_on_no_edge(flat_plan: Plan) -> None:
+    names = [f"agent{k}" for k in range(7)]
+    row = [make_vehicle(name, [2.0 * k, 0.0], [2.0 * k, 9.0]) for k, name in enumerate(names)]
+    scenario = replace(flat_plan.scenario, vehicles=tuple(row))
+    pairs = [Coupling(a, b, "collision", 0.2) for a, b in combinations(names, 2)]
+    ax = plot_couplings(replace(flat_plan, scenario=scenario, sets=(names,), couplings=pairs))
+    ax.figure.draw_without_rendering()
+    [edges] = artists(ax, "couplings")
+    lines = [shapely.LineString(ax.transData.transform(e)) for e in edges.get_segments()]
+    for name in names:
+        [text] = artists(ax, f"name:{name}")
+        place = shapely.box(*text.get_window_extent().extents)
+        assert not any(place.intersects(line) for line in lines)
+        assert ax.figure.bbox.x0 <= place.bounds[0] < place.bounds[2] <= ax.figure.bbox.x1
+    # Too many to be numbered, and the legend promises no numbers.
+    assert "edge: the darker, the more risk of collision if planned apart" in texts(ax)
+    assert not any(t.startswith("0.") for t in texts(ax))
+
+
+def test_the_band_of_a_distance_is_in_the_legend(flat_plan: Plan) -> None:
+    told = [text.get_text() for text in plot_distances(flat_plan).get_legend().get_texts()]
+    assert told[-1] == "band: within 3σ"
 
 
 def test_couplings_without_a_number_are_dashed(coupled: Plan) -> None:

@@ -9,10 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patheffects import withStroke
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Vector
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, Plan
 from radmpc.model.relations.couplings import unexplained_sets
+from radmpc.plotting.artists.flat import Color
 from radmpc.plotting.artists.obstacles import patch_of
 from radmpc.plotting.canvas.figure import check_axes, settle_layout
 from radmpc.plotting.canvas.headline import PLAIN, write_headline
@@ -25,21 +26,13 @@ from radmpc.plotting.canvas.style import (
     vehicle_colors,
 )
 from radmpc.plotting.risk.ledger_looks import new_column
+from radmpc.plotting.set_layout import laid_out
 from radmpc.wording import count_text
 
 __all__ = ["plot_couplings"]
 
-_APART = 1.0
-"""Distance between two vehicles of a set, the unit of the diagram."""
-
-_GAP = 0.8
-"""Distance between two sets, in that unit."""
-
-_ALONE = 0.6
-"""Distance between two vehicles planned alone, in that unit."""
-
 _BESIDE = 0.14
-"""Distance from an edge to its number, in that unit."""
+"""Distance from an edge to its number, in units of that between two vehicles of a set."""
 
 _AROUND = 0.3
 """Width of the shade around the vehicles of a set without couplings, in that unit."""
@@ -47,8 +40,29 @@ _AROUND = 0.3
 _WHOLE = 10.0
 """Distance from which on whole meters are written [m]."""
 
+_UPRIGHT = 0.35
+"""Sine of the angle within which a direction counts as level, or as upright [-]."""
+
 _MOST_NUMBERS = 16
 """Edges up to which each carries its risk as a number."""
+
+_NUMBERED = {
+    "collision": "edge: risk of collision if planned apart (≤ 1)",
+    "risk": "edge: risk of collision in the approximation",
+    "blocked": "dashed: one blocked the other's way there",
+    "distance": "edge: closest approach if planned apart",
+    "share": "dashed: shares of Δ too small apart",
+    "range": "edge: range to keep",
+}
+"""What edges mean, by their reason."""
+
+_UNNUMBERED = {
+    "collision": "edge: the darker, the more risk of collision if planned apart",
+    "risk": "edge: the darker, the more risk in the approximation",
+    "distance": "edge: close if planned apart",
+    "range": "edge: both keep a range",
+}
+"""The same where there are too many for numbers."""
 
 _FRAME = 0.75
 """Height of title, facts and margins [in]."""
@@ -77,49 +91,28 @@ def plot_couplings(plan: Plan, ax: Axes | None = None) -> Axes:
     check_plan(plan)
     check_axes(ax, 2)
     groups = sorted(plan.sets, key=len, reverse=True)
-    places, size = _layout([len(group) for group in groups])
-    height = COLUMN_WIDTH * size[1] / size[0] + _FRAME
+    layout = laid_out([len(group) for group in groups])
+    height = COLUMN_WIDTH * layout.height / layout.width + _FRAME
     axes = new_column(height).add_subplot() if ax is None else ax
     axes.set_axis_off()
     axes.set_aspect("equal")
-    axes.set_xlim(0.0, size[0])
-    axes.set_ylim(-size[1], 0.0)
+    axes.set_xlim(0.0, layout.width)
+    axes.set_ylim(-layout.height, 0.0)
     write_headline(axes, plan.scenario.name, f": {count_text(len(groups), 'set')}")
     names = [name for group in groups for name in group]
-    place_of = dict(zip(names, places, strict=True))
+    place_of = dict(zip(names, layout.places, strict=True))
     if not names:
         axes.text(0.5, 0.5, "no sets", transform=axes.transAxes, ha="center", fontsize=LABEL_SIZE)
         return axes
     settle_layout(axes)
     _shade_sets(axes, plan, place_of)
     _draw_edges(axes, plan, place_of)
-    _draw_vehicles(axes, plan, place_of)
+    _draw_vehicles(axes, plan, place_of, dict(zip(names, layout.outward, strict=True)))
     axes.text(
         0.0, 0.0, _legend(plan), transform=axes.transAxes, fontsize=LABEL_SIZE, color=MUTED,
         va="top", gid="meaning",
     )  # fmt: skip
     return axes
-
-
-def _layout(sizes: list[int]) -> tuple[Matrix, tuple[float, float]]:
-    """Place sets as circles, row by row, the largest first; return places, and width and height."""
-    radii = [0.0 if n < 2 else 0.5 * _APART / np.sin(np.pi / n) for n in sizes]
-    # A set of two lies flat: it needs the height of a vehicle alone.
-    widths = [_ALONE if n == 1 else 2.0 * r + _GAP for n, r in zip(sizes, radii, strict=True)]
-    heights = [_ALONE if n <= 2 else w for n, w in zip(sizes, widths, strict=True)]
-    area = sum(w * h for w, h in zip(widths, heights, strict=True))
-    width = max(float(np.sqrt(1.6 * area)), *widths, 4.0) if sizes else 4.0
-    places, x, y, row = [np.zeros((0, 2))], 0.0, 0.0, 0.0
-    for n, r, wide, high in zip(sizes, radii, widths, heights, strict=True):
-        if x + wide > width + 1e-9:
-            x, y, row = 0.0, y + row, 0.0
-        row = max(row, high)  # the first of a row is the highest
-        turned = 0.5 * np.pi if n == 2 else 0.0
-        angles = 0.5 * np.pi + turned + 2.0 * np.pi * np.arange(n) / n
-        center = np.array([x + 0.5 * wide, -y - 0.5 * row])
-        places.append(center + r * np.column_stack([np.cos(angles), np.sin(angles)]))
-        x += wide
-    return np.vstack(places), (width, max(y + row, _ALONE))
 
 
 def _shade_sets(ax: Axes, plan: Plan, place_of: dict[str, Matrix]) -> None:
@@ -167,7 +160,9 @@ def _draw_edges(ax: Axes, plan: Plan, place_of: dict[str, Matrix]) -> None:
         )  # fmt: skip
 
 
-def _draw_vehicles(ax: Axes, plan: Plan, place_of: dict[str, Matrix]) -> None:
+def _draw_vehicles(
+    ax: Axes, plan: Plan, place_of: dict[str, Matrix], outward: dict[str, Vector]
+) -> None:
     """Draw a dot per vehicle in its color of the plan's picture, with its name if there is room."""
     colors = vehicle_colors([v.name for v in plan.scenario.vehicles], plan.sets)
     is_named = len(place_of) <= MAX_LABELS
@@ -178,11 +173,19 @@ def _draw_vehicles(ax: Axes, plan: Plan, place_of: dict[str, Matrix]) -> None:
             gid=f"vehicle:{name}",
         )  # fmt: skip
         if is_named:
-            ax.annotate(
-                name, (float(place[0]), float(place[1])), xytext=(0.0, -4.5),
-                textcoords="offset points", fontsize=LABEL_SIZE, color=colors[name], ha="center",
-                va="top", zorder=5, path_effects=[withStroke(linewidth=1.4, foreground="white")],
-            )  # fmt: skip
+            _write_name(ax, name, place, outward[name], colors[name])
+
+
+def _write_name(ax: Axes, name: str, place: Vector, outward: Vector, color: Color) -> None:
+    """Write a name outside of its set's circle, where no edge is."""
+    right, up = outward
+    ax.annotate(
+        name, (float(place[0]), float(place[1])), xytext=(4.5 * right, 4.5 * up),
+        textcoords="offset points", fontsize=LABEL_SIZE, color=color, zorder=5,
+        ha="center" if abs(right) < _UPRIGHT else "left" if right > 0.0 else "right",
+        va="center" if abs(up) < _UPRIGHT else "bottom" if up > 0.0 else "top",
+        gid=f"name:{name}", path_effects=[withStroke(linewidth=1.4, foreground="white")],
+    )  # fmt: skip
 
 
 def _darkness(coupling: Coupling) -> float:
@@ -204,14 +207,8 @@ def _number(coupling: Coupling) -> str:
 
 def _legend(plan: Plan) -> str:
     """Return what edges and shades mean."""
-    meanings = {
-        "collision": "edge: risk of collision if planned apart (≤ 1)",
-        "risk": "edge: risk of collision in the approximation",
-        "blocked": "dashed: one blocked the other's way there",
-        "distance": "edge: closest approach if planned apart",
-        "share": "dashed: shares of Δ too small apart",
-        "range": "edge: range to keep",
-    }
+    are_numbered = len(plan.couplings) <= _MOST_NUMBERS
+    meanings = _NUMBERED if are_numbered else _NUMBERED | _UNNUMBERED
     told = [
         text for reason, text in meanings.items() if any(c.reason == reason for c in plan.couplings)
     ]

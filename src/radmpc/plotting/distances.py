@@ -18,7 +18,7 @@ from radmpc.plotting.risk.ledger_looks import LINE, draw_key, new_column, say_no
 __all__ = ["plot_distances"]
 
 _HEIGHT = 2.4
-"""Height of the figure with a legend of two lines, as of six encounters with short names [in]."""
+"""Height of the figure with a legend of two lines, as of five encounters with short names [in]."""
 
 _LINES, _COLUMNS = 2, 3
 
@@ -77,6 +77,9 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     axes.set_ylabel(f"{what} [m]", fontsize=LABEL_SIZE, labelpad=1.0)
     axes.grid(axis="y", color="#E4E4E4", linewidth=0.4, zorder=0)
     if clearances:
+        axes.fill_between(
+            [], [], [], color=MUTED, alpha=0.15, linewidth=0.0, label=f"band: within {_SIGMAS:g}σ"
+        )
         _draw_key(axes, is_alone=ax is None)
     else:
         axes.text(
