@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 import shapely
 from matplotlib.axes import Axes
-from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting import plot_plan, plot_scenario
+from radmpc.plotting.canvas.labels import LabelBoard
 from radmpc.plotting.canvas.style import MAX_PANEL_LABELS
 
 from .conftest import make_plan, make_vehicle
@@ -151,3 +152,30 @@ def test_names_of_vehicles_stay_out_of_obstacles_that_bear_their_own() -> None:
     for wall in walls:
         corners = shapely.box(*np.r_[wall.at(0)[0].vertices.min(0), wall.at(0)[0].vertices.max(0)])
         assert corners.intersection(boxes["v"]).area < 0.5 * boxes["v"].area
+
+
+def test_step_numbers_that_would_lie_on_other_texts_are_left_out() -> None:
+    board = LabelBoard(plot_scenario(scene()))
+    place, nothing = np.array([10.0, 4.0]), np.zeros(2)
+    for x in np.arange(7.0, 13.0, 0.25):
+        for y in np.arange(2.0, 6.0, 0.25):
+            board.put("x", np.array([x, y]), "black")
+    for is_needed in (False, True):
+        board.beside("7", place, nothing, "black", is_needed=is_needed)
+        assert any(t.get_text() == "7" for t in board.axes.texts) == is_needed
+
+
+def test_lines_to_starts_in_space_stay_there_if_the_view_is_turned(space_plan: Plan) -> None:
+    crowded = [make_vehicle(f"agent{k}", [1.0, 0.4 * k, 1.0], [9.0, 9.0, 9.0]) for k in range(9)]
+    scenario = replace(space_plan.scenario, vehicles=tuple(crowded), obstacles=())
+    ax = plot_plan(make_plan(scenario))
+    leaders = [line for line in ax.lines if (line.get_gid() or "").startswith("leader:")]
+    assert leaders
+    starts = {vehicle.name: vehicle.start_position for vehicle in crowded}
+    for azimuth in (-60.0, 20.0):
+        ax.view_init(azim=azimuth)
+        ax.figure.canvas.draw()
+        for line in leaders:
+            x, y, _ = proj3d.proj_transform(*starts[line.get_gid()[7:]], ax.get_proj())
+            away = np.linalg.norm(line.get_xydata()[0] - ax.transData.transform((x, y)))
+            assert away < 5.0 * ax.figure.dpi / 72.0

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from mpl_toolkits.mplot3d import Axes3D
 
 from radmpc.errors import ArgumentError, ArgumentTypeError
@@ -82,6 +83,16 @@ def test_the_oblique_panel_fills_its_room_in_one_direction(space_plan: Plan) -> 
     assert drawn.width > 0.8 * free or drawn.height > 0.8 * height
     assert drawn.x0 > room.x1
     assert drawn.x1 <= width
+
+
+@pytest.mark.slow
+def test_the_heading_of_the_oblique_panel_stands_at_what_is_drawn(space_plan: Plan) -> None:
+    ax = plot_plan(space_plan)
+    ax.figure.draw_without_rendering()
+    [heading] = [t for t in ax.findobj(Text) if t.get_text() == "oblique"]
+    drawn, box = drawn_box(ax), heading.get_window_extent()
+    assert box.x0 == pytest.approx(drawn.x0, abs=15.0)
+    assert drawn.y1 <= box.y0 < drawn.y1 + 60.0
 
 
 @pytest.mark.slow

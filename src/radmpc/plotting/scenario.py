@@ -192,7 +192,9 @@ def name_vehicles(
     for vehicle in scenario.vehicles:
         color = colors[vehicle.name]
         if isinstance(board, SpaceBoard):
-            board.beside(vehicle.name, vehicle.start_position, color)
+            others = [v for v in scenario.vehicles if v is not vehicle]
+            rivals = [place for v in others for place in (v.start_position, v.goal.center)]
+            board.name(vehicle.name, vehicle.start_position, color, rivals)
             continue
         place = vehicle.start_position[list(plane)]
         board.name(vehicle.name, place, vehicle.radius, color, _ends(scenario, vehicle, plane))

@@ -44,6 +44,10 @@ _LEAST, _MOST = 0.25, 0.62
 """Least and largest share of the width that the flat panels get [-]."""
 
 
+_OBLIQUE = "oblique"
+"""Heading of the panel in space."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Views:
     """A figure with three panels.
@@ -103,7 +107,7 @@ def new_views(extent: Matrix, num_lines: int, figure: Figure | SubFigure | None 
             figure.add_subplot(grid[:, 1], projection="3d"),
         )
     views.oblique.patch.set_visible(False)  # it reaches below the flat panels
-    for (axes, plane), heading in zip(views.panels, ("top", "side", "oblique"), strict=True):
+    for (axes, plane), heading in zip(views.panels, ("top", "side", _OBLIQUE), strict=True):
         settle_axes(axes, extent, plane)
         axes.set_title(heading, loc="left", fontsize=LABEL_SIZE, pad=2.0)
     return views
@@ -119,10 +123,20 @@ def settle_views(views: Views) -> None:
         # Other panels of the user's figure may still move it, but its room is its own.
         fill(views.oblique, cell_of(views.oblique))
         views.oblique.set_in_layout(False)
+        _head(views.oblique)
         return
     # Laid out once: from here on the oblique panel is moved by hand.
     root.set_layout_engine("none")
     _center(views.oblique)
+    _head(views.oblique)
+
+
+def _head(ax: Axes3D) -> None:
+    """Move the heading of axes in space to what is drawn: the axes reach beyond it."""
+    drawn = drawn_box(ax)
+    x, y = ax.transAxes.inverted().transform((drawn.x0, drawn.y1))
+    title = ax.set_title(_OBLIQUE, loc="left", fontsize=LABEL_SIZE, pad=2.0, y=float(y))
+    title.set_x(float(x))
 
 
 def _center(ax: Axes3D) -> None:

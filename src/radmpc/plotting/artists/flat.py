@@ -228,7 +228,9 @@ def number_steps(
     board: LabelBoard,
     plane: Plane = ABOVE,
 ) -> None:
-    """Write the numbers of some steps beside their dots, unless the vehicle stays.
+    """Write the numbers of some steps beside their dots, where they lie on no other text.
+
+    Those of a vehicle that stays are left out, too.
 
     Parameters
     ----------
@@ -254,4 +256,5 @@ def number_steps(
             color,
             size=NUMBER_SIZE,
             gid=f"step:{vehicle.name}:{k}",
+            is_needed=False,
         )

@@ -231,7 +231,7 @@ def draw_trajectory_3d(
 def number_steps_3d(
     vehicle: Vehicle, trajectory: Trajectory, color: Color, board: SpaceBoard
 ) -> None:
-    """Write the numbers of some steps beside their dots, unless the vehicle stays.
+    """Write the numbers of some steps beside their dots, as in the plane.
 
     Parameters
     ----------
@@ -249,4 +249,4 @@ def number_steps_3d(
         return
     for k in numbered_steps(len(places) - 1):
         gid = f"step:{vehicle.name}:{k}"
-        board.beside(str(k), places[k], color, size=NUMBER_SIZE, gid=gid)
+        board.beside(str(k), places[k], color, size=NUMBER_SIZE, gid=gid, is_needed=False)

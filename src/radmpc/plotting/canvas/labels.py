@@ -17,6 +17,7 @@ from radmpc.plotting.canvas.places import (
     best_name_place,
     best_place,
     cost_of,
+    is_on_text,
     nearest_in,
 )
 from radmpc.plotting.canvas.style import LABEL_SIZE
@@ -138,6 +139,7 @@ class LabelBoard:
         size: float = LABEL_SIZE,
         gid: str | None = None,
         is_framed: bool = False,
+        is_needed: bool = True,
     ) -> None:
         """Write a text next to a thing.
 
@@ -157,10 +159,15 @@ class LabelBoard:
             Id of the text; None for ``label:`` and the text.
         is_framed : bool
             Whether the text stands in a frame with round corners.
+        is_needed : bool
+            Whether it is written even where it lies on another text.
         """
         half_text = 0.5 * self.size(f"{text} " if is_framed else text, size)
-        place = best_place(center, half_size, half_text, self._around())
-        self.put(text, place, color, size=size, gid=gid, is_framed=is_framed)
+        around = self._around()
+        place = best_place(center, half_size, half_text, around)
+        box = np.concatenate([place - half_text, place + half_text])
+        if is_needed or not is_on_text(box, around):
+            self.put(text, place, color, size=size, gid=gid, is_framed=is_framed)
 
     def name(
         self, text: str, center: Vector, radius: float, color: Any, rivals: Sequence[Vector]

@@ -10,7 +10,7 @@ import shapely
 from radmpc.arrays import Matrix, Vector
 from radmpc.records import dataclass
 
-__all__ = ["Around", "best_name_place", "best_place", "cost_of", "nearest_in"]
+__all__ = ["Around", "best_name_place", "best_place", "cost_of", "is_on_text", "nearest_in"]
 
 _ANGLES = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
 
@@ -131,7 +131,7 @@ def best_name_place(
         cost, place, is_led = min(found, key=lambda one: one[0])
         if cost < _ON_A_TEXT:
             return place, is_led
-    free = [one for one in found if not _is_on_text(_box(one[1], half_text), around)]
+    free = [one for one in found if not is_on_text(_box(one[1], half_text), around)]
     return min(free, key=lambda one: one[0])[1:] if free else None
 
 
@@ -166,6 +166,19 @@ def cost_of(box: Vector, around: Around) -> float:
     return float(inside.sum()) + texts + 50.0 * is_outside
 
 
+def is_on_text(box: Vector, around: Around) -> bool:
+    """Return whether a text in this box lies on another.
+
+    Parameters
+    ----------
+    box : (4,) array
+        x0, y0, x1, y1.
+    around : Around
+        What is there.
+    """
+    return any(_overlap(box, other) > 0.0 for other in around.boxes)
+
+
 def nearest_in(box: Vector, point: Vector) -> Vector:
     """Return the point of a box that is nearest to a point, (2,).
 
@@ -196,11 +209,6 @@ def _is_confused(box: Vector, own: Vector, rivals: Sequence[Vector]) -> bool:
     """Whether a name is nearer to the start or goal of another than to its own start."""
     apart = _apart(box, own) - _ROUNDING * float(box[3] - box[1])
     return any(_apart(box, other) < apart for other in rivals)
-
-
-def _is_on_text(box: Vector, around: Around) -> bool:
-    """Whether a text in this box lies on another."""
-    return any(_overlap(box, other) > 0.0 for other in around.boxes)
 
 
 def _is_crossed(box: Vector, center: Vector, others: Sequence[Vector]) -> bool:

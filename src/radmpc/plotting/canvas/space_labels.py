@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.colors import to_rgba
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.transforms import IdentityTransform, ScaledTranslation
 from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.plotting.canvas.figure import cell_of
 from radmpc.plotting.canvas.labels import LETTER, LabelBoard
-from radmpc.plotting.canvas.places import Around, best_place
+from radmpc.plotting.canvas.places import (
+    Around,
+    best_name_place,
+    best_place,
+    is_on_text,
+    nearest_in,
+)
 from radmpc.plotting.canvas.style import LABEL_SIZE
 from radmpc.records import dataclass, field
 
@@ -52,6 +63,7 @@ class SpaceBoard:
         *,
         size: float = LABEL_SIZE,
         gid: str | None = None,
+        is_needed: bool = True,
     ) -> None:
         """Write a text next to a point in space, (3,) [m]; it stays there if the view is turned.
 
@@ -67,14 +79,70 @@ class SpaceBoard:
             Font size [pt].
         gid : str or None
             Name of the artist, for tests and SVG.
+        is_needed : bool
+            Whether it is written even where it lies on another text.
         """
-        scale = self.axes.get_figure(root=True).dpi / 72.0
-        half = 0.5 * np.array([LETTER[0] * len(text), LETTER[1]]) * size * scale
+        center, mark, half = self._sizes(text, place, size)
+        around = self._around()
+        found = best_place(center, mark, half, around)
+        if is_needed or not is_on_text(np.concatenate([found - half, found + half]), around):
+            self._put(text, place, found, half, color, size=size, gid=gid)
+
+    def name(self, text: str, place: Vector, color: Any, rivals: Sequence[Vector]) -> None:
+        """Write a vehicle's name beside its start as `LabelBoard.name` does.
+
+        Parameters
+        ----------
+        text : str
+            The name.
+        place : (3,) array
+            The start [m].
+        color : color
+            Of the vehicle.
+        rivals : sequence of (3,) array
+            Starts and goals of others [m].
+        """
+        center, mark, half = self._sizes(text, place, LABEL_SIZE)
+        marks = [self._seen(rival[None, :])[0] for rival in rivals]
+        boxes = [np.concatenate([seen - mark, seen + mark]) for seen in marks]
+        found = best_name_place(center, mark, half, self._around(boxes))
+        if found is None:
+            return
+        self._put(text, place, found[0], half, color)
+        if found[1]:
+            end = nearest_in(self.boxes[-1], center) - center
+            begin = mark[0] * end / max(float(np.linalg.norm(end)), 1.0)
+            offsets = np.stack([begin, end]) / self._scale
+            self.axes.add_artist(_Leader(place, offsets, color, f"leader:{text}"))
+            share = np.linspace(0.0, 1.0, 12)[:, None]
+            self.points.append(center + begin + share * (end - begin))
+
+    @property
+    def _scale(self) -> float:
+        """Pixels per point."""
+        return float(self.axes.get_figure(root=True).dpi / 72.0)
+
+    def _sizes(self, text: str, place: Vector, size: float) -> tuple[Vector, Vector, Vector]:
+        """Return where a place is seen, and half the sizes of its mark and of a text [px]."""
+        half = 0.5 * np.array([LETTER[0] * len(text), LETTER[1]]) * size * self._scale
+        mark = np.full(2, _HALF_MARK * self._scale * size / LABEL_SIZE)
+        return self._seen(place[None, :])[0], mark, half
+
+    def _put(
+        self,
+        text: str,
+        place: Vector,
+        found: Vector,
+        half: Vector,
+        color: object,
+        *,
+        size: float = LABEL_SIZE,
+        gid: str | None = None,
+    ) -> None:
+        """Write a text with its middle at a pixel, tied to a place in space."""
         center = self._seen(place[None, :])[0]
-        mark = np.full(2, _HALF_MARK * scale * size / LABEL_SIZE)
-        found = best_place(center, mark, half, self._around())
         self.boxes.append(np.concatenate([found - half, found + half]))
-        right, up = (found - center) / (72.0 * scale)
+        right, up = (found - center) / (72.0 * self._scale)
         beside = ScaledTranslation(right, up, self.axes.get_figure(root=True).dpi_scale_trans)
         self.axes.text(
             *(float(value) for value in place), text,
@@ -83,17 +151,37 @@ class SpaceBoard:
             path_effects=[withStroke(linewidth=1.4, foreground="white")],
         )  # fmt: skip
 
-    def _around(self) -> Around:
+    def _around(self, rivals: Sequence[Vector] = ()) -> Around:
         """Return what is around texts [px]."""
         window = cell_of(self.axes)
         points = np.vstack(self.points) if self.points else np.empty((0, 2))
         frame = np.array([window.x0, window.y0, window.x1, window.y1])
-        return Around(points, self.boxes, frame)
+        return Around(points, self.boxes, frame, rivals)
 
     def _seen(self, points: Matrix) -> Matrix:
         """Return where points in space are seen, (p, 2) [px]."""
         x, y, _ = proj3d.proj_transform(*points.T, self.axes.get_proj())
         return np.asarray(self.axes.transData.transform(np.column_stack([x, y])))
+
+
+class _Leader(Line2D):
+    """A line beside a point in space: like a text, it stays there if the view is turned."""
+
+    def __init__(self, place: Vector, offsets: Matrix, color: Any, gid: str) -> None:
+        super().__init__(
+            [], [], color=color, linewidth=0.5, zorder=55.5, gid=gid,
+            path_effects=[withStroke(linewidth=1.3, foreground="white")],
+        )  # fmt: skip
+        self.place, self.offsets = place, offsets
+        self.set_in_layout(False)
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw it from where the point is seen now."""
+        x, y, _ = proj3d.proj_transform(*self.place, self.axes.get_proj())
+        center = self.axes.transData.transform((x, y))
+        self.set_transform(IdentityTransform())
+        self.set_data(*(center + renderer.points_to_pixels(1.0) * self.offsets).T)
+        super().draw(renderer)
 
 
 Board = LabelBoard | SpaceBoard
