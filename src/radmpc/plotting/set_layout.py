@@ -26,6 +26,9 @@ _ALONE = 0.6
 _LEAST = 4.0
 """Width of the diagram at least, in that unit."""
 
+_WIDER = 1.25
+"""How much wider than that, or than the widest set, it may be where sets fill it [-]."""
+
 _WIDTHS = 8
 """Widths that are tried [-]."""
 
@@ -107,7 +110,8 @@ def laid_out(sizes: Sequence[int]) -> SetLayout:
     radii = [0.0 if n < 2 else 0.5 * _APART / float(np.sin(np.pi / n)) for n in sizes]
     boxes = [_box(n, r) for n, r in zip(sizes, radii, strict=True)]
     least = max([_LEAST, *(wide for wide, _ in boxes)])
-    most = max(least, float(np.sqrt(1.6 * sum(wide * high for wide, high in boxes))))
+    area = sum(wide * high for wide, high in boxes)
+    most = max(_WIDER * least, float(np.sqrt(1.6 * area)))
     packed = [_packed(boxes, float(width)) for width in np.linspace(least, most, _WIDTHS)]
     width, height, corners = min(packed, key=lambda one: (round(one[0] * one[1], 6), one[0]))
     places, outward = [np.zeros((0, 2))], [np.zeros((0, 2))]
@@ -137,4 +141,5 @@ def _packed(
     packing = _Packing(width)
     for wide, high in boxes:
         packing.add(wide, high)
-    return width, packing.close(), packing.corners
+    rights = [corner[0] + wide for corner, (wide, _) in zip(packing.corners, boxes, strict=True)]
+    return max([_LEAST, *rights]), packing.close(), packing.corners
