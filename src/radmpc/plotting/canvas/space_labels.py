@@ -113,7 +113,7 @@ class SpaceBoard:
             end = nearest_in(self.boxes[-1], center) - center
             begin = mark[0] * end / max(float(np.linalg.norm(end)), 1.0)
             offsets = np.stack([begin, end]) / self._scale
-            self.axes.add_artist(_Leader(place, offsets, color, f"leader:{text}"))
+            self.axes.add_artist(_Leader(self.axes, place, offsets, color, f"leader:{text}"))
             share = np.linspace(0.0, 1.0, 12)[:, None]
             self.points.append(center + begin + share * (end - begin))
 
@@ -167,20 +167,21 @@ class SpaceBoard:
 class _Leader(Line2D):
     """A line beside a point in space: like a text, it stays there if the view is turned."""
 
-    def __init__(self, place: Vector, offsets: Matrix, color: Any, gid: str) -> None:
+    def __init__(self, space: Axes3D, place: Vector, offsets: Matrix, color: Any, gid: str) -> None:
         super().__init__(
             [], [], color=color, linewidth=0.5, zorder=55.5, gid=gid,
             path_effects=[withStroke(linewidth=1.3, foreground="white")],
         )  # fmt: skip
-        self.place, self.offsets = place, offsets
+        self.space, self.place, self.offsets = space, place, offsets
         self.set_in_layout(False)
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw it from where the point is seen now."""
-        x, y, _ = proj3d.proj_transform(*self.place, self.axes.get_proj())
-        center = self.axes.transData.transform((x, y))
+        x, y, _ = proj3d.proj_transform(*self.place, self.space.get_proj())
+        center = np.asarray(self.space.transData.transform((x, y)))
+        scale = np.asarray(renderer.points_to_pixels(1.0), dtype=float)
         self.set_transform(IdentityTransform())
-        self.set_data(*(center + renderer.points_to_pixels(1.0) * self.offsets).T)
+        self.set_data(*(center + scale * self.offsets).T)
         super().draw(renderer)
 
 
