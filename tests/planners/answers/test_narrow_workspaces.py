@@ -10,7 +10,8 @@ from scipy.stats import norm
 
 from radmpc.experiments.families import paper
 from radmpc.model.scenario import Scenario, Workspace
-from radmpc.planners.endpoints.floors import _CELLS, floors
+from radmpc.planners.endpoints.floors import floors
+from radmpc.planners.endpoints.looks import _CELLS
 from radmpc.planning import plan
 from radmpc.program.build import condensed_models
 

@@ -29,7 +29,10 @@ export function Together({ plan, onPoint }: TogetherProps) {
               <summary onFocus={() => onPoint(set)} onBlur={() => onPoint(null)}>
                 {set.join(", ")}
               </summary>
-              <Reasons couplings={plan.couplings.filter((one) => set.includes(one.vehicle) && set.includes(one.other))} />
+              <Reasons
+                couplings={plan.couplings.filter((one) => set.includes(one.vehicle) && set.includes(one.other))}
+                isWhole={plan.sets.length === 1}
+              />
             </details>
           </li>
         ))}
@@ -42,8 +45,13 @@ export function Together({ plan, onPoint }: TogetherProps) {
   );
 }
 
-function Reasons(props: { couplings: readonly CouplingView[] }) {
-  if (props.couplings.length === 0) return <p class="p-note">The planner plans the whole fleet at once.</p>;
+function Reasons(props: { couplings: readonly CouplingView[]; isWhole: boolean }) {
+  if (props.couplings.length === 0) {
+    const text = props.isWhole
+      ? "The whole fleet is planned at once."
+      : "Planned together from the start: no risk of planning them apart was estimated.";
+    return <p class="p-note">{text}</p>;
+  }
   return (
     <ul class="p-reasons">
       {props.couplings.map((one) => (

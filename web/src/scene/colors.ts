@@ -30,7 +30,7 @@ export const LIGHT: Colors = {
   alert: "#C00000",
   warn: "#8A5A00",
   accent: "#0B63A8",
-  palette: ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"],
+  palette: ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#7B3FB0", "#73A800", "#D0129C"],
 };
 
 export const DARK: Colors = {
@@ -46,7 +46,7 @@ export const DARK: Colors = {
   alert: "#FF6B5E",
   warn: "#E0B45C",
   accent: "#5CB2F0",
-  palette: ["#3E9BD8", "#F08544", "#2FBF96", "#DE97BD", "#F0B53C", "#86CBF2"],
+  palette: ["#3E9BD8", "#F08544", "#2FBF96", "#DE97BD", "#F0B53C", "#A67BDD", "#A3CF45", "#EE62C6"],
 };
 
 /** Shares of white (> 0) or black (< 0), far apart so that vehicles of a set differ in gray, too. */
@@ -72,16 +72,32 @@ export function vehicleColors(
   const listed = new Set(sets.flat());
   const groups = [...sets, ...names.filter((name) => !listed.has(name)).map((name) => [name])];
   const found = new Map<string, string>();
-  groups.forEach((group, i) =>
-    group.forEach((name, j) => {
-      const hue = colors.palette[i % colors.palette.length] ?? colors.accent;
-      const shades = colors.isDark ? SHADES_ON_DARK : SHADES;
-      found.set(name, mixed(hue, shades[j % shades.length] ?? 0));
-    }),
-  );
+  const shades = colors.isDark ? SHADES_ON_DARK : SHADES;
+  const places = placesOfHues(groups.map((group) => group.length > 1), colors.palette.length);
+  groups.forEach((group, i) => {
+    const [hue, turn] = places[i] ?? [0, 0];
+    group.forEach((name, j) =>
+      found.set(name, mixed(colors.palette[hue] ?? colors.accent, shades[(turn + j) % shades.length] ?? 0)),
+    );
+  });
   const result = names.map((name) => found.get(name) ?? colors.accent);
   ofNames.set(colors, result);
   return result;
+}
+
+/** Each set's hue, and how often hues were repeated before it: sets of several have their own, if possible. */
+function placesOfHues(areSeveral: readonly boolean[], count: number): readonly (readonly [number, number])[] {
+  const several = areSeveral.filter(Boolean).length;
+  if (areSeveral.length <= count || several >= count) {
+    return areSeveral.map((_, i) => [i % count, Math.floor(i / count)] as const);
+  }
+  const left = count - several;
+  let [own, alone] = [0, 0];
+  return areSeveral.map((isSeveral) => {
+    if (isSeveral) return [own++, 0] as const;
+    const k = alone++;
+    return [several + (k % left), Math.floor(k / left)] as const;
+  });
 }
 
 function mixed(color: string, amount: number): string {
