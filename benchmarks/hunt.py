@@ -3,7 +3,8 @@
 Run ``python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs 2 --out hunt.csv``. Each scene is a
 line of the table, written and synced at once; the same command goes on where an interrupted one
 stopped, and prints how often each kind of wrong answer was met, and where. ``--clock processor``
-counts the processor's seconds instead of the wall's, so that other jobs change no answer.
+counts the processor's seconds instead of the wall's, so that other jobs change no answer;
+``--norms`` limits norms of controls and speeds in place of their axes.
 ``--scenes 0`` reports on what there is. ``--index 17`` plays one scene again, tells what every
 planner says, and with ``--save scene.json`` writes it as a scenario file.
 """
@@ -23,9 +24,8 @@ from pathlib import Path
 
 from hunting.answers import Effort
 from hunting.catch import COLUMNS, KINDS, Catch, catch_of
-from hunting.checks import examine, run_scene
+from hunting.checks import examine, run_scene, scene_of
 from hunting.record_table import add_row, rows_of
-from hunting.scenes import draw_scene
 from radmpc.io.native.scenario_file import save_scenario
 
 _MOST_NAMED = 40
@@ -40,6 +40,7 @@ def main() -> None:
         options.time_limit / 2.0,
         options.samples,
         by_processor=options.clock == "processor",
+        has_norms=options.norms,
     )
     if options.index is not None:
         _replay(options, effort)
@@ -74,6 +75,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument(
         "--clock", choices=("wall", "processor"), default="wall", help="whose seconds count"
     )
+    parser.add_argument("--norms", action="store_true", help="limit norms, not axes")
     parser.add_argument("--index", type=int, help="play this scene alone")
     parser.add_argument("--save", type=Path, help="scenario file for it")
     return parser.parse_args()
@@ -81,7 +83,7 @@ def _options() -> argparse.Namespace:
 
 def _replay(options: argparse.Namespace, effort: Effort) -> None:
     """Play one scene and tell everything."""
-    scenario = draw_scene(options.seed, options.index)
+    scenario = scene_of(options.seed, options.index, effort)
     if options.save is not None:
         save_scenario(scenario, options.save)
     logging.basicConfig(level=logging.INFO, format="%(message)s")

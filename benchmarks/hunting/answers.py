@@ -46,6 +46,8 @@ class Effort:
         Who plans, keys of `PLANNERS`.
     by_processor : bool
         Whether seconds of planning are the processor's, which other jobs do not stretch.
+    has_norms : bool
+        Whether scenes have limits of norms in place of limits of axes.
     """
 
     time_limit: float = 4.0
@@ -54,6 +56,7 @@ class Effort:
     hang: float = 30.0
     planners: tuple[str, ...] = tuple(PLANNERS)
     by_processor: bool = False
+    has_norms: bool = False
 
 
 @dataclass(frozen=True, slots=True)

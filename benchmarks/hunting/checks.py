@@ -12,6 +12,7 @@ from hunting.bounds import simple_bounds
 from hunting.catch import Catch, Notes, clock, watched
 from hunting.contradictions import check_answer, check_time
 from hunting.flight import plain_collisions
+from hunting.norms import with_norms
 from hunting.scenes import draw_scene
 from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner
@@ -19,7 +20,7 @@ from radmpc.planning import plan
 from radmpc.referee import Certificate, simulate
 from radmpc.result import Result
 
-__all__ = ["examine", "run_scene"]
+__all__ = ["examine", "run_scene", "scene_of"]
 
 _LEVEL = 1e-6
 """Chance of calling a sound certificate unsafe, per plan and simulation."""
@@ -33,7 +34,21 @@ _LOOSE = 1.01
 
 def run_scene(seed: int, index: int, effort: Effort) -> Catch:
     """Draw a scene and examine it."""
-    return examine(draw_scene(seed, index), seed, index, effort)
+    return examine(scene_of(seed, index, effort), seed, index, effort)
+
+
+def scene_of(seed: int, index: int, effort: Effort) -> Scenario:
+    """Draw a scene, with limits of norms where these are asked for.
+
+    Parameters
+    ----------
+    seed, index : int
+        Decide everything.
+    effort : Effort
+        What is asked for.
+    """
+    scenario = draw_scene(seed, index)
+    return with_norms(scenario, seed, index) if effort.has_norms else scenario
 
 
 def examine(scenario: Scenario, seed: int, index: int, effort: Effort) -> Catch:

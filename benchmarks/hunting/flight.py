@@ -75,6 +75,7 @@ def plain_collisions(plan: Plan, samples: int, seed: int) -> int:
             if vehicle.gain is not None:
                 asked = asked + (before[i] - nominal[i]) @ vehicle.gain.T
                 asked = np.clip(asked, -vehicle.control_limit, vehicle.control_limit)
+                asked = shortened(asked, vehicle.control_norm)
             noise = rng.standard_normal((samples, vehicle.start.size)) @ noises[i][1].T
             A, B = vehicle.system.A, vehicle.system.B
             states.append(before[i] @ A.T + asked @ B.T + noise)
@@ -94,6 +95,14 @@ def plain_collisions(plan: Plan, samples: int, seed: int) -> int:
                 places.append(place)
             hit |= hits_at(plan, k, s, places)
     return int(hit.sum())
+
+
+def shortened(asked: Matrix, most: float | None) -> Matrix:
+    """Return controls no longer than a norm, each in its direction."""
+    if most is None:
+        return asked
+    lengths = np.hypot.reduce(asked, axis=1)
+    return asked * np.minimum(1.0, most / np.maximum(lengths, most))[:, None]
 
 
 def root_of(covariance: Matrix) -> Matrix:

@@ -191,6 +191,18 @@ def normed(scenario: radmpc.Scenario) -> radmpc.Scenario:
     return replace(scenario, vehicles=vehicles)
 
 
+def test_what_the_norms_themselves_rule_out_is_infeasible() -> None:
+    pushes = [1.99, 1.99, 0.0, -1.99, -1.99]
+    scenario, own = flown("control_limit", [1.0, 0.0], pushes, "intervals")
+    content = radmpc.to_dict(scenario)
+    middle = 0.5 * own.trajectories[0].means[-1, 0]
+    wall = {"name": "wall", "min": [middle - 0.5, -99.0], "max": [middle + 0.5, 9.0]}
+    result = radmpc.plan(radmpc.from_dict(content | {"obstacles": [wall]}), time_limit=20.0)
+    # The way around is free, but much too far in five steps.
+    assert result.status is Status.INFEASIBLE
+    assert "polytope" not in result.explanation
+
+
 def test_half_spaces_are_turned_to_the_sides_of_the_relaxation() -> None:
     planned = radmpc.plan(normed(paper(8, 4)), rng=0, time_limit=60.0).require()
     # 16.96 on the sides of the first plan.

@@ -16,7 +16,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.draft import Draft
 from radmpc.planners.policies.policy import Family, Policy
 from radmpc.planners.verdict import Judge
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits, Solver
 
 __all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "nobody"]
@@ -34,6 +34,11 @@ Improved = Callable[[tuple[Matrix, ...]], None]
 def nobody(controls: tuple[Matrix, ...]) -> None:
     """Take a plan without handing it on."""
     del controls
+
+
+def _nothing_told(cost: float, bound: float | None) -> None:
+    """Take what is known of a plan without telling it."""
+    del cost, bound
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,6 +70,16 @@ class Run:
     judge: Judge
     found: TellBest
     improved: Improved = nobody
+
+    def in_silence(self) -> Run:
+        """Return the same run, of whose plans nobody is told.
+
+        Returns
+        -------
+        Run
+            With the same limits, randomness and referee.
+        """
+        return replace(self, found=_nothing_told, improved=nobody)
 
 
 class Decomposition(ABC):

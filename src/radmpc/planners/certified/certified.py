@@ -7,12 +7,13 @@ from typing import ClassVar
 
 from radmpc.arguments import is_number, value_text
 from radmpc.errors import ScenarioError
+from radmpc.model.limits import outside_norms
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
-from radmpc.planners.certified.infeasible.sure import holds_outside_norms, sure_why_not
+from radmpc.planners.certified.infeasible.sure import sure_why_not
 from radmpc.planners.certified.phases.by_faces import bound_faces_of_each
 from radmpc.planners.certified.phases.improving import (
     cheaper,
@@ -37,6 +38,7 @@ from radmpc.planners.certified.state.timed_judge import TimedJudge
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
+from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass, replace
 from radmpc.solvers.branch.branch import Branch
@@ -44,6 +46,11 @@ from radmpc.solvers.solution import Solver, relative_gap
 from radmpc.system.memory import hand_back_freed
 
 __all__ = ["Certified"]
+
+_WITHIN_NORMS = (
+    "Plans keep to polytopes within limits of norms: whether these leave one is not known."
+)
+"""Said where only that is what leaves no plan."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,14 +102,14 @@ class Certified(Decomposition):
         models = models_within_norms(scenario)
         ruled_out = sure_why_not(scenario, models, run.limits)
         if ruled_out is not None:
-            return _empty(scenario, ruled_out, begun)
+            return self._empty(scenario, ruled_out, planner, run, begun)
         hazards = Hazards.of(scenario, models)
         result = searched(
             scenario, hazards, planner, run, self.proof_seconds, is_persistent=self.is_persistent
         )
         has_any = result.state.has_plan or result.first.controls
         if result.answer is not None and not has_any:
-            return _empty(scenario, result.answer, begun)
+            return self._empty(scenario, result.answer, planner, run, begun)
         fleet, state, first = result.search.fleet, result.state, result.first
         if result.is_closed:
             state = turned_to_norms(fleet, state, run.judge)
@@ -115,6 +122,36 @@ class Certified(Decomposition):
         found = replace(result, state=state)
         limits = but_for_certificates(run.limits, judge.seconds)
         return self._finished(found, planner.gap, replace(run, limits=limits), begun)
+
+    def _empty(
+        self, scenario: Scenario, answer: WhyNot, planner: Planner, run: Run, begun: float
+    ) -> Draft:
+        """Return a draft without a plan that says why there is none."""
+        text, is_proven = answer.explanation, answer.is_proven
+        if is_proven and not self._holds_outside_norms(scenario, planner, run):
+            is_proven, text = False, text if "polytope" in text else f"{text} {_WITHIN_NORMS}"
+        status = Status.INFEASIBLE if is_proven else Status.LIMIT
+        sets = (tuple(range(scenario.num_vehicles)),) if is_proven else ()
+        seconds = {"sets": time.perf_counter() - begun}
+        return Draft(status, (), sets, (), (), seconds, text)
+
+    def _holds_outside_norms(self, scenario: Scenario, planner: Planner, run: Run) -> bool:
+        """Tell whether what programs say of having no plan holds of the limits of norms themselves.
+
+        Programs keep to polytopes within these. Without such limits it does, and with them where
+        there is no plan between polytopes around these, either.
+        """
+        vehicles = tuple(map(outside_norms, scenario.vehicles))
+        if all(one is other for one, other in zip(vehicles, scenario.vehicles, strict=True)):
+            return True
+        outside = replace(scenario, vehicles=vehicles)
+        models = condensed_models(outside)
+        if sure_why_not(outside, models, run.limits) is not None:
+            return True
+        hazards, quiet = Hazards.of(outside, models), run.in_silence()
+        found = searched(outside, hazards, planner, quiet, self.proof_seconds, is_persistent=True)
+        has_any = found.state.has_plan or found.first.controls
+        return found.answer is not None and found.answer.is_proven and not has_any
 
     def _finished(self, result: SearchResult, gap: float, run: Run, begun: float) -> Draft:
         """Make the plan of a search cheaper, and prove how good it is."""
@@ -205,12 +242,3 @@ def _draft(
         couplings=state.merging.couplings(incumbent.sets),
         stopped_by=result.stopped_by,
     )
-
-
-def _empty(scenario: Scenario, answer: WhyNot, begun: float) -> Draft:
-    """Return a draft without a plan that says why there is none."""
-    is_proven = answer.is_proven and holds_outside_norms(scenario)
-    status = Status.INFEASIBLE if is_proven else Status.LIMIT
-    sets = (tuple(range(scenario.num_vehicles)),) if is_proven else ()
-    seconds = {"sets": time.perf_counter() - begun}
-    return Draft(status, (), sets, (), (), seconds, answer.explanation)
