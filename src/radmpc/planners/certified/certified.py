@@ -21,7 +21,7 @@ from radmpc.planners.certified.phases.improving import (
     searched_nearby,
     turned_to_others,
 )
-from radmpc.planners.certified.phases.norms import models_within_norms, turned_to_norms
+from radmpc.planners.certified.phases.norms import turned_to_norms
 from radmpc.planners.certified.phases.searching import SearchResult, searched, tell
 from radmpc.planners.certified.phases.time_shares import (
     but_for_certificates,
@@ -38,6 +38,7 @@ from radmpc.planners.certified.state.timed_judge import TimedJudge
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
+from radmpc.planners.within_norms import models_within_norms
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass, replace
@@ -144,7 +145,8 @@ class Certified(Decomposition):
         vehicles = tuple(map(outside_norms, scenario.vehicles))
         if all(one is other for one, other in zip(vehicles, scenario.vehicles, strict=True)):
             return True
-        outside = replace(scenario, vehicles=vehicles)
+        # Once more, as what looks for reasons may turn its polytopes, too.
+        outside = replace(scenario, vehicles=tuple(map(outside_norms, vehicles)))
         models = condensed_models(outside)
         if sure_why_not(outside, models, run.limits) is not None:
             return True

@@ -25,7 +25,7 @@ from radmpc.planners.certified.programs import SetPrograms
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.endpoints.floors import EndpointHazard, start_hazards
 from radmpc.planners.planner import Improved, nobody
-from radmpc.program.build import condensed_models
+from radmpc.planners.within_norms import models_within_norms
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits
@@ -124,7 +124,7 @@ class Fleet:
         most, begin = (1.0, 1.0) if is_costless else _TUNED.slack[scenario.avoidance]
         unit = most * risk_bound
         if hazards is None:
-            hazards = Hazards.of(scenario, condensed_models(scenario))
+            hazards = Hazards.of(scenario, models_within_norms(scenario))
         programs = SetPrograms(scenario, unit, hazards, is_costless=is_costless)
         # Under intervals the start is part of what plans choose, and is charged there.
         at_start = scenario.avoidance == "steps"

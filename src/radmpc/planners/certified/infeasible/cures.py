@@ -21,6 +21,7 @@ from radmpc.planners.cures.variants import (
 from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import hazards_of, reserve_reason
+from radmpc.planners.within_norms import models_within_norms
 from radmpc.planners.wording import listed
 from radmpc.program.build import condensed_models
 from radmpc.records import dataclass
@@ -192,7 +193,7 @@ def _reaches(scenario: Scenario, horizon: int) -> bool:
     longer = with_horizon(scenario, horizon)
     if longer is None:
         return False
-    return all(unable_alone(longer, s) is None for s in condensed_models(longer))
+    return all(unable_alone(longer, s) is None for s in models_within_norms(longer))
 
 
 def _shortest(scenario: Scenario, failed: int, works: int, limits: Limits) -> int:

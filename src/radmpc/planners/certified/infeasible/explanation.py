@@ -13,8 +13,8 @@ from radmpc.planners.certified.infeasible.stuck import stuck_reason
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import Reason, grouped
+from radmpc.planners.within_norms import models_within_norms
 from radmpc.planners.wording import hazard_name, limit_clause
-from radmpc.program.build import condensed_models
 from radmpc.rounding import rounded_down, rounded_up
 from radmpc.solvers.solution import Limits
 
@@ -82,7 +82,7 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
         The reasons.
     """
     reasons = []
-    models = condensed_models(scenario)
+    models = models_within_norms(scenario)
     for i, model in enumerate(models):
         if limits.reached:
             break

@@ -9,8 +9,8 @@ from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.cures.variants import with_noise
 from radmpc.planners.explain import trivially_infeasible
+from radmpc.planners.within_norms import models_within_norms
 from radmpc.planners.wording import listed
-from radmpc.program.build import condensed_models
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
@@ -95,7 +95,7 @@ def _blockers(scenario: Scenario, limits: Limits) -> list[str]:
 
 def _search(scenario: Scenario, limits: Limits) -> RiskTree:
     """Search for any plan, whatever its risk."""
-    models = condensed_models(scenario)
+    models = models_within_norms(scenario)
     everyone = tuple(range(len(models)))
     problem = SetProblem.of(scenario, everyone, models, _UNIT).without_cost()
     tree = RiskTree(
