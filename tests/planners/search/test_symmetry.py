@@ -110,6 +110,15 @@ def test_a_workspace_aside_of_the_middle_keeps_what_it_is_mirrored_by() -> None:
     assert group_of(aside) == ((0, 3, 2, 1),)
 
 
+@pytest.mark.parametrize(
+    ("faces", "size"), [(None, 7), (4, 7), (8, 7), (12, 7), (3, 0), (5, 0), (6, 3), (10, 3)]
+)
+def test_what_maps_the_faces_around_pairs_elsewhere_is_no_symmetry(
+    faces: int | None, size: int
+) -> None:
+    assert len(group_of(replace(circle(8), pair_faces=faces))) == size
+
+
 def test_images_are_all_that_a_set_is_mapped_onto() -> None:
     group = group_of(circle(8))
     assert set(images_of((0, 1), group)) == {tuple(sorted((i, (i + 1) % 8))) for i in range(8)}

@@ -133,8 +133,8 @@ def turned_outside(model: CondensedModel, controls: Matrix) -> CondensedModel:
     Parameters
     ----------
     model : CondensedModel
-        Of a vehicle `radmpc.model.limits.outside_norms`; controls with feedback are left as they
-        are, since its reserve is asked for along given directions.
+        Of a vehicle `radmpc.model.limits.outside_norms`. The referee asks for the feedback's
+        reserve in all directions.
     controls : (T, m) array
         The plan.
     """
@@ -145,8 +145,6 @@ def turned_outside(model: CondensedModel, controls: Matrix) -> CondensedModel:
         faced = replace(faced, speed_faces=faces)
     if faced.face_bounds is None or model.face_bounds is None:
         return faced
-    if model.vehicle.gain is not None:
-        return replace(faced, face_normals=model.face_normals, face_bounds=model.face_bounds)
     return replace(
         faced,
         face_normals=np.concatenate([control_normals(faced), control_normals(model)], axis=1),

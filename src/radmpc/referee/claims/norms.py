@@ -12,6 +12,12 @@ from radmpc.referee.tails import exceeding
 
 __all__ = ["allowed_beyond", "norm_excess", "norm_problems", "saturation_of_norm"]
 
+_HALVINGS = 60
+"""Of the interval that holds a multiplier [-]: what is left is rounding."""
+
+_NOTHING = 1e-140
+"""Stands for 0 where one divides by it, and squares what comes of it."""
+
 _TOL = 1e-6
 """Share of a limit up to which it is kept [-]; absolute below one."""
 
@@ -37,15 +43,43 @@ def norm_problems(vehicle: Vehicle, states: Matrix, controls: Matrix, seen: Tens
         what, norms = "control", np.sqrt(np.square(controls).sum(axis=1))
         if vehicle.gain is not None:
             what = "control, the feedback's reserve included,"
-            along = np.vstack([normals for normals, _ in polytopes_within(controls.shape[1])])
-            kept = vehicle.control_sigmas * _deviations(vehicle, along, seen)
-            norms = np.maximum(norms, (controls @ along.T + kept).max(axis=1))
+            pulls = np.asarray(vehicle.gain)
+            norms = _with_reserve(controls, vehicle.control_sigmas**2 * (pulls @ seen @ pulls.T))
         problems += _first(vehicle.name, what, norms, vehicle.control_norm, 0)
     if vehicle.speed_norm is not None and vehicle.system.velocity is not None:
         speeds = states[1:, list(vehicle.system.velocity)]
         norms = np.sqrt(np.square(speeds).sum(axis=1))
         problems += _first(vehicle.name, "speed", norms, vehicle.speed_norm, 1)
     return problems
+
+
+def _with_reserve(controls: Matrix, spreads: Tensor) -> Vector:
+    r"""Return the largest ``n @ u + sqrt(n @ S @ n)`` over all unit vectors n, step by step.
+
+    That is the largest norm of ``u + root(S) @ w`` over the unit ball of w, of which the square is
+    the least of $|u|^2 + \mu + \sum_i b_i^2 / (\mu - \lambda_i)$ over $\mu \ge \max \lambda$,
+    with the eigenvalues of S and ``b = root(S) @ u`` along its eigenvectors: maximizing a quadratic
+    form over a ball has no gap to its dual. Any μ gives an upper bound.
+
+    Parameters
+    ----------
+    controls : (T, m) array
+        Nominal controls u.
+    spreads : (T, m, m) array
+        S, with the square of the deviations in reserve in it.
+    """
+    values, axes = np.linalg.eigh(spreads)
+    values = values.clip(min=0.0)
+    along = np.sqrt(values) * np.einsum("kij,ki->kj", axes, controls)
+    least, most = values[:, -1], values[:, -1] + np.sqrt(np.square(along).sum(axis=1))
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (least + most)
+        over = np.maximum(middle[:, None] - values, _NOTHING)
+        is_steep = np.square(along / over).sum(axis=1) > 1.0
+        least, most = np.where(is_steep, middle, least), np.where(is_steep, most, middle)
+    parts = np.square(along) / np.maximum(most[:, None] - values, _NOTHING)
+    squares = np.square(controls).sum(axis=1) + most + parts.sum(axis=1)
+    return np.asarray(np.sqrt(squares))
 
 
 def _first(name: str, what: str, norms: Vector, limit: float, first: int) -> list[str]:

@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.merging import Members
 from radmpc.program.condensed import CondensedModel
@@ -45,10 +46,14 @@ def symmetries(scenario: Scenario, models: Sequence[CondensedModel]) -> tuple[Me
     """
     if scenario.obstacles or scenario.keep or not all(map(_is_plain, models)):
         return ()
+    faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
+    if not _are_same_set(faces, -faces):
+        return ()  # who comes first of a pair decides what its faces are
     center = np.mean([model.drift_position[0] for model in models], axis=0)
     found = set()
     for turn in _turns(scenario.dimension):
-        if _keeps_workspace(scenario, turn, center) and _keeps_system(models, turn):
+        keeps_scene = _keeps_workspace(scenario, turn, center) and _keeps_system(models, turn)
+        if keeps_scene and _are_same_set(faces, faces @ turn.T):
             found.add(_permutation(models, turn, center))
     return tuple(sorted(found - {(), tuple(range(len(models)))}))
 
@@ -117,6 +122,12 @@ def _keeps_workspace(scenario: Scenario, turn: Matrix, center: Vector) -> bool:
     ends = np.stack([workspace.lower, workspace.upper]) - center
     turned = ends @ turn.T
     return _same(np.sort(turned, axis=0), ends)
+
+
+def _are_same_set(directions: Matrix, others: Matrix) -> bool:
+    """Whether unit vectors are those of another set, in whatever order."""
+    cosines = directions @ others.T
+    return bool(np.all(cosines.max(axis=0) >= 1.0 - _SAME))
 
 
 def _keeps_system(models: Sequence[CondensedModel], turn: Matrix) -> bool:
