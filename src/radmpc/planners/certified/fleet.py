@@ -69,6 +69,8 @@ class Fleet:
         What the starts risk, hazard by hazard.
     initial : float
         What they risk in all, whatever the plan [-].
+    keeps_norms : bool
+        Whether norms of controls or speeds are limited, which programs keep by polytopes.
     least_costs : tuple of float
         What every vehicle costs at least with its visits, or alone among obstacles; empty where
         nobody asked.
@@ -86,6 +88,7 @@ class Fleet:
     first_budget: float
     start_hazards: tuple[EndpointHazard, ...]
     initial: float
+    keeps_norms: bool
     least_costs: tuple[float, ...] = ()
 
     @classmethod
@@ -145,6 +148,10 @@ class Fleet:
             first_budget=max(risk_bound, min(begin * risk_bound, _TUNED.fill * unit)) - initial,
             start_hazards=at_starts,
             initial=initial,
+            keeps_norms=any(
+                vehicle.control_norm is not None or vehicle.speed_norm is not None
+                for vehicle in scenario.vehicles
+            ),
         )
 
     def with_limits(self, limits: Limits) -> Fleet:
@@ -161,14 +168,6 @@ class Fleet:
     def is_large(self) -> bool:
         """Whether it has so many vehicles that no single set matters much."""
         return self.scenario.num_vehicles > TUNING.sets.many
-
-    @property
-    def keeps_norms(self) -> bool:
-        """Whether norms of controls or speeds are limited, which programs keep by polytopes."""
-        return any(
-            vehicle.control_norm is not None or vehicle.speed_norm is not None
-            for vehicle in self.scenario.vehicles
-        )
 
     @property
     def singles(self) -> tuple[Members, ...]:
