@@ -132,7 +132,7 @@ def test_images_are_all_that_a_set_is_mapped_onto() -> None:
 def task_of(count: int, *, is_by_faces: bool) -> PartTask:
     """All who cross a circle, with a plan of theirs, to be searched in sets of up to three."""
     scenario = circle(count)
-    result = plan(scenario, time_limit=3.0).require()
+    result = plan(scenario, time_limit=1.0).require()
     fleet = Fleet.of(scenario, 1e-3, Limits())
     every = tuple(range(count))
     incumbent = FleetIncumbent(
