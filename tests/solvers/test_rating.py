@@ -46,7 +46,7 @@ def points_of(rater: Rater, rng: np.random.Generator) -> list[np.ndarray]:
     tree = RiskTree(rater.program, UNIT, PRICE, rater=rater, **limits)
     seen: list[np.ndarray] = []
     rate = rater.rate
-    rater.rate = lambda z: (seen.append(z.copy()), rate(z))[1]  # type: ignore[method-assign]
+    rater.rate = lambda z: (seen.append(z.copy()), rate(z))[1]  # type: ignore[method-assign] # to see what it is asked
     # Compiled code rates its points itself.
     tree._solver.solve = tree._solver._by_python  # type: ignore[method-assign] # for this search
     tree.run(60)

@@ -9,11 +9,13 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.geometry import inner_faces
 from radmpc.model.plan import Plan, Trajectory
+from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass, replace
 
 __all__ = [
     "TightLimit",
+    "all_outside_norms",
     "control_face_bounds",
     "outside_norms",
     "tight_limits",
@@ -152,6 +154,20 @@ def outside_norms(vehicle: Vehicle) -> Vehicle:
     if speed is not None:
         speed /= inner_faces(vehicle.system.dimension)[1]
     return replace(vehicle, control_norm=control, speed_norm=speed)
+
+
+def all_outside_norms(scenario: Scenario) -> Scenario:
+    """Return a scenario with all its vehicles `outside_norms`; the same where norms are free.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Any.
+    """
+    vehicles = tuple(map(outside_norms, scenario.vehicles))
+    if all(one is other for one, other in zip(vehicles, scenario.vehicles, strict=True)):
+        return scenario
+    return replace(scenario, vehicles=vehicles)
 
 
 def within_limits(vehicle: Vehicle, control: Vector) -> Vector:

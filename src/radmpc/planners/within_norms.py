@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from radmpc.model.limits import outside_norms
+from radmpc.model.limits import all_outside_norms
 from radmpc.model.scenario import Scenario
 from radmpc.planners.least_effort import least_effort
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.limits.norms import turned_inside, turned_outside, turned_to_goal
-from radmpc.records import replace
 
 __all__ = ["models_within_norms"]
 
@@ -29,12 +28,10 @@ def models_within_norms(scenario: Scenario) -> tuple[CondensedModel, ...]:
     tuple of CondensedModel
         `condensed_models`, of vehicles without limits of norms.
     """
-    models = condensed_models(scenario)
-    vehicles = tuple(map(outside_norms, scenario.vehicles))
-    if all(one is other for one, other in zip(vehicles, scenario.vehicles, strict=True)):
+    models, outside = condensed_models(scenario), all_outside_norms(scenario)
+    if outside is scenario:
         return models
-    outside = condensed_models(replace(scenario, vehicles=vehicles))
-    return tuple(map(_reaching, models, outside))
+    return tuple(map(_reaching, models, condensed_models(outside)))
 
 
 def _reaching(model: CondensedModel, outside: CondensedModel) -> CondensedModel:

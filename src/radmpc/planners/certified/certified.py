@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from radmpc.arguments import is_number, value_text
 from radmpc.errors import ScenarioError
-from radmpc.model.limits import outside_norms
+from radmpc.model.limits import all_outside_norms
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.closing import close_gap
@@ -31,7 +31,7 @@ from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.norms import outside_norms_of
 from radmpc.planners.certified.proof.prove import Proof, bound_on_any
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
-from radmpc.planners.certified.state.bounds import finite, reported_bound, shadow_price
+from radmpc.planners.certified.state.bounds import finite, is_told, reported_bound, shadow_price
 from radmpc.planners.certified.state.outdone import is_outdone
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.state.timed_judge import TimedJudge
@@ -114,7 +114,7 @@ class Certified(Decomposition):
         fleet, state, first = result.search.fleet, result.state, result.first
         if result.is_closed:
             state = turned_to_norms(fleet, state, run.judge)
-            if not fleet.keeps_norms or _is_told(fleet, state, result.on_any):
+            if not fleet.keeps_norms or is_told(fleet, state, result.on_any):
                 run.found(state.incumbent.cost, finite(result.on_any))
                 return _draft(fleet, state, result, begun, result.on_any)
         if run.limits.reached:
@@ -142,11 +142,11 @@ class Certified(Decomposition):
         Programs keep to polytopes within these. Without such limits it does, and with them where
         there is no plan between polytopes around these, either.
         """
-        vehicles = tuple(map(outside_norms, scenario.vehicles))
-        if all(one is other for one, other in zip(vehicles, scenario.vehicles, strict=True)):
+        outside = all_outside_norms(scenario)
+        if outside is scenario:
             return True
         # Once more, as what looks for reasons may turn its polytopes, too.
-        outside = replace(scenario, vehicles=tuple(map(outside_norms, vehicles)))
+        outside = all_outside_norms(outside)
         models = condensed_models(outside)
         if sure_why_not(outside, models, run.limits) is not None:
             return True
@@ -213,12 +213,6 @@ def _nodes_of_proof(fleet: Fleet, state: SearchState, is_timed: bool) -> float:
     searched = sum(each.all_nodes for each in state.set_states.values())
     few = min(fleet.scenario.num_vehicles, PROOF_TUNING.most_together)
     return max(PROOF_TUNING.least_nodes * few, PROOF_TUNING.node_share * searched)
-
-
-def _is_told(fleet: Fleet, state: SearchState, on_any: float) -> bool:
-    """Whether bounds that hold for the norms themselves are within the gap asked for."""
-    bound = max(reported_bound(fleet, state, fleet.gap), on_any)
-    return relative_gap(state.incumbent.cost, bound) <= fleet.gap
 
 
 def _draft(

@@ -248,7 +248,7 @@ def test_where_one_joint_solution_leads_to_no_plan_others_are_drawn(
 
     def counted(*given: object) -> Mapping[int, np.ndarray]:
         drawn.append(given)
-        return joint_routes(*given)  # type: ignore[arg-type]
+        return joint_routes(*given)  # type: ignore[arg-type] # handed on
 
     def late(attempt: Attempt, clearance: float, limits: Limits) -> bool:
         if len(drawn) > 2:

@@ -11,7 +11,7 @@ from radmpc.planners.certified.phases.tuning import TUNING
 from radmpc.planners.certified.proof.grouping import Proven, grows_after
 from radmpc.planners.certified.proof.norms import outside_norms_of
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
-from radmpc.planners.certified.state.bounds import reported_bound, shadow_price
+from radmpc.planners.certified.state.bounds import is_told, shadow_price
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.verdict import Judge
 from radmpc.records import replace
@@ -87,7 +87,7 @@ def bound_faces_of_each(
     """
     left = fleet.scenario.risk_bound - fleet.initial
     is_asked = not (fleet.is_large or fleet.scenario.has_windows)
-    if left <= 0.0 or not is_asked or fleet.limits.reached or _is_told(fleet, state):
+    if left <= 0.0 or not is_asked or fleet.limits.reached or is_told(fleet, state):
         return state
     from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - few need it
 
@@ -110,11 +110,6 @@ def bound_faces_of_each(
         _advance(search, incumbent.sets, range(TUNING.efforts))
     # Where faces leave no plan at all, the one at hand is best among none.
     return _with_bound(state, left, search.best) if search.best < float("inf") else state
-
-
-def _is_told(fleet: Fleet, state: SearchState) -> bool:
-    """Whether what can be told of plans by faces is within the gap asked for."""
-    return relative_gap(state.incumbent.cost, reported_bound(fleet, state, fleet.gap)) <= fleet.gap
 
 
 def _turned_to_alone(

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from radmpc.arrays import Matrix
-from radmpc.model.limits import outside_norms
+from radmpc.model.limits import all_outside_norms
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.program.limits.norms import turned_outside
-from radmpc.records import replace
 
 __all__ = ["outside_norms_of"]
 
@@ -27,8 +26,7 @@ def outside_norms_of(fleet: Fleet, controls: Sequence[Matrix] = ()) -> Fleet:
     """
     if not fleet.keeps_norms:
         return fleet
-    scenario = fleet.scenario
-    scenario = replace(scenario, vehicles=tuple(map(outside_norms, scenario.vehicles)))
+    scenario = all_outside_norms(fleet.scenario)
     models = condensed_models(scenario)
     if controls:
         models = tuple(map(turned_outside, models, controls))

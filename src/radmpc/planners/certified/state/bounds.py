@@ -14,6 +14,7 @@ __all__ = [
     "bound_on_cost",
     "finite",
     "is_proven",
+    "is_told",
     "reported_bound",
     "shadow_price",
 ]
@@ -109,6 +110,22 @@ def is_proven(fleet: Fleet, state: SearchState) -> bool:
         What is known of it.
     """
     bound = bound_of_programs(fleet, state, fleet.gap)
+    return relative_gap(state.incumbent.cost, bound) <= fleet.gap
+
+
+def is_told(fleet: Fleet, state: SearchState, on_any: float = -np.inf) -> bool:
+    """Whether what is told of plans by faces, or of any, is within the gap asked for.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    state : SearchState
+        With a plan.
+    on_any : float
+        What any certified plan costs at least.
+    """
+    bound = max(reported_bound(fleet, state, fleet.gap), on_any)
     return relative_gap(state.incumbent.cost, bound) <= fleet.gap
 
 
