@@ -13,7 +13,10 @@ from scipy.optimize import linprog
 import radmpc
 from radmpc.experiments.families import circle, paper
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.state.bounds import bound_of_programs, reported_bound
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.turning import Turning
 from radmpc.planners.verdict import Verdict
@@ -201,6 +204,18 @@ def test_what_the_norms_themselves_rule_out_is_infeasible() -> None:
     # The way around is free, but much too far in five steps.
     assert result.status is Status.INFEASIBLE
     assert "polytope" not in result.explanation
+
+
+def test_what_programs_within_norms_prove_ends_searches_and_is_told_nowhere() -> None:
+    for scenario, is_told in ((paper(2, 0), True), (normed(paper(2, 0)), False)):
+        fleet = Fleet.of(scenario, 1e-3, Limits())
+        incumbent = FleetIncumbent((), 10.0, ((0,), (1,)))
+        left = scenario.risk_bound
+        state = replace(SearchState.of(fleet), incumbent=incumbent, budget_bounds=((left, 9.9),))
+        assert bound_of_programs(fleet, state, 1e-3) == 9.9
+        assert (reported_bound(fleet, state, 1e-3) == 9.9) == is_told
+        around = replace(state, outside_bounds=((left, 9.5),))
+        assert reported_bound(fleet, around, 1e-3) == (9.9 if is_told else 9.5)
 
 
 def test_half_spaces_are_turned_to_the_sides_of_the_relaxation() -> None:
