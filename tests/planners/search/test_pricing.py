@@ -59,7 +59,12 @@ def test_risk_that_barely_moves_is_followed_in_longer_steps():
 @pytest.fixture(scope="module")
 def singles():
     """Return three vehicles, each planned alone at the first price."""
-    fleet = Fleet.of(paper(3, 2), 1e-3, Limits())
+    return planned_alone(3, 2)
+
+
+def planned_alone(count, seed):
+    """Return vehicles and their plans at the first price."""
+    fleet = Fleet.of(paper(count, seed), 1e-3, Limits())
     state = SearchState.of(fleet)
     first = fleet.first_unit_price(state.budget)
     state = solve_sets(fleet, state, fleet.singles, first, 1)
@@ -114,3 +119,18 @@ def test_a_larger_budget_never_costs_more(singles):
 @pytest.mark.parametrize("budget", [0.0, -0.01])
 def test_where_nothing_may_be_risked_nothing_fits(singles, budget):
     assert repair(*singles, budget, AllocatedPrograms()) is None
+
+
+def test_of_a_large_fleet_so_few_sets_are_rescaled_as_come_to_the_budget():
+    singles = planned_alone(8, 0)
+    found = singles[1]
+    risk, cost = risk_and_cost(singles, [plan.z for plan in found])
+    moved = []
+    for share in (0.97, 0.3):
+        points = repair(*singles, share * risk, AllocatedPrograms(), is_large=True)
+        assert points is not None
+        left, dearer = risk_and_cost(singles, points)
+        assert left <= share * risk
+        assert dearer > cost
+        moved.append(sum(z is not plan.z for z, plan in zip(points, found, strict=True)))
+    assert moved[0] == 1 < moved[1]

@@ -116,6 +116,21 @@ def test_paths_that_are_dearer_than_another_plan_though_they_risk_too_much_are_l
         assert control.is_over == is_left
 
 
+@pytest.mark.parametrize(("certified", "is_left"), [(0.06, True), (0.04, False)])
+def test_a_large_fleet_is_left_after_two_rounds_dearer_than_another_plan_and_above_the_bound(
+    certified: float, *, is_left: bool
+) -> None:
+    paths = Paths(HAZARDS).state()
+    for is_large in (True, False):
+        control = PriceControl(1.0, RISK_BOUND, 1e-3, 9.9, is_large=is_large)
+        control.begin(float("inf"), 12.0, paths)
+        # Each moves so much that there may be more to gain.
+        for cost in (11.0, 10.0):
+            assert not control.is_over
+            control.follow(certified, cost, paths, certified)
+        assert control.is_over == (is_large and is_left)
+
+
 def test_a_round_that_is_cheaper_than_the_last_is_no_stall() -> None:
     control = PriceControl(1.0, RISK_BOUND, 1e-3)
     paths = Paths(HAZARDS).state()

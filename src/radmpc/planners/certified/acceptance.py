@@ -159,6 +159,9 @@ class _Rescaling:
         risk_bound = scenario.risk_bound
         union_bound = candidate.risk + candidate.inter_set_risk
         verdict = self._judge([plan.z for plan in candidate.plans], union_bound)
+        if verdict.certified > risk_bound:
+            # What the referee found tells how much less is enough, which is mostly little.
+            self.budget = self._next_budget(verdict, union_bound)
         if not TUNING.budgets.nearly * risk_bound <= verdict.certified <= risk_bound:
             return False
         self.first = self.last = verdict
@@ -167,10 +170,11 @@ class _Rescaling:
             self.low = self._next_budget(verdict)
         return True
 
-    def _next_budget(self, verdict: Verdict) -> float:
+    def _next_budget(self, verdict: Verdict, union_bound: float | None = None) -> float:
         """Return the budget at which the certificate is expected to come to Δ, or one between."""
         aim = _TUNED.aim * self.fleet.scenario.risk_bound
-        following = self.budget * min(_TUNED.stretch, aim / max(verdict.certified, _NOTHING))
+        budget = self.budget if union_bound is None else union_bound
+        following = budget * min(_TUNED.stretch, aim / max(verdict.certified, _NOTHING))
         if self.low and self.high < float("inf"):
             following = (self.low * self.high) ** 0.5
         return min(following, self.fleet.most_budget)

@@ -7,6 +7,7 @@ from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.ended import ended
 from radmpc.planners.certified.infeasible.explanation import why_not
 from radmpc.planners.certified.infeasible.least_risk import feasible_within
+from radmpc.planners.certified.infeasible.tuning import TUNING as WITHOUT
 from radmpc.planners.certified.more_faces import Finer, faces_text, finer_scenarios
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.search_state import SearchState
@@ -112,7 +113,7 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
     unplanned: list[Finer] = []
     untold = tuple(finer_scenarios(scenario))
     # All of them shortly first: where one of them leaves a plan, that is soon known, as a rule.
-    for seconds in TUNING.last_resort.trials:
+    for seconds in WITHOUT.face_trials:
         still: list[Finer] = []
         for finer in untold:
             part = finer.scenario.subset(answer.blocked, scenario.risk_bound)
@@ -134,7 +135,7 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
         faces = faces_text(unplanned)
         text += f" There is a way with {faces}, but no plan of the whole fleet was found by it."
     if untold:
-        within = limits.reason or f"each was given {TUNING.last_resort.trials[-1]:g} s"
+        within = limits.reason or f"each was given {WITHOUT.face_trials[-1]:g} s"
         text += f" Whether a way opens with {faces_text(untold)} is not known: {within}."
     is_proven = answer.is_proven and not (untold or unplanned)
     return None, replace(answer, explanation=text, is_proven=is_proven)

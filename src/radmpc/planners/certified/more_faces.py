@@ -10,13 +10,11 @@ from radmpc.arrays import Matrix
 from radmpc.geometry import Polytope
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.tuning import TUNING
+from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.wording import listed
 from radmpc.records import dataclass, replace
 
 __all__ = ["Finer", "faces_text", "finer_scenarios"]
-
-_TUNED = TUNING.last_resort
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +72,7 @@ def finer_scenarios(scenario: Scenario) -> Iterator[Finer]:
     """
     has_pairs = scenario.num_vehicles > 1
     has_corners = scenario.dimension == 2 and bool(scenario.obstacles)
-    for count in _TUNED.faces[scenario.dimension]:
+    for count in TUNING.faces[scenario.dimension]:
         more = count > scenario.num_pair_faces
         if not (has_corners or (has_pairs and more)):
             continue

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Vector
 from radmpc.gaussian import CONVEX_RISK
@@ -21,6 +22,8 @@ from radmpc.solvers.solution import Limits
 __all__ = ["AllocatedPrograms", "repair", "repriced"]
 
 _TUNED = TUNING.acceptance
+
+Flags = npt.NDArray[np.bool_]
 
 _LEAST = 1e-9
 """Share of the budget that every row is allocated at least [-]."""
@@ -45,6 +48,8 @@ def repair(
     incumbents: Sequence[Incumbent],
     budget: float,
     programs: AllocatedPrograms,
+    *,
+    is_large: bool = False,
 ) -> tuple[Vector, ...] | None:
     """Rescale a fleet's risks to a budget, every alternative as it is.
 
@@ -61,6 +66,8 @@ def repair(
         What the rows of all sets may risk together [-].
     programs : AllocatedPrograms
         Those of other budgets.
+    is_large : bool
+        Whether the fleet is: where it risks too much, only its riskiest sets are rescaled then.
 
     Returns
     -------
@@ -70,9 +77,11 @@ def repair(
     if budget <= 0.0:
         return None
     points = [incumbent.z for incumbent in incumbents]
-    is_free = [True] * len(points)
     best, least = None, float("inf")
     risks = [programs.risks(*each) for each in zip(problems, incumbents, points, strict=True)]
+    is_some = is_large and float(sum(r.sum() for r in risks)) > budget
+    slack = _TUNED.spare if is_some else _SLACK
+    can_change = np.ones(len(points), dtype=bool)
     for _ in range(_TUNED.repairs):
         sums = np.array([r.sum() for r in risks])
         total = float(sums.sum())
@@ -81,22 +90,33 @@ def repair(
             is_better = cost < least * (1.0 - 1e-5)
             if cost < least:
                 best, least = tuple(points), cost
-            if not is_better or total >= budget * (1.0 - 1e-3):
+            if is_some or not is_better or total >= budget * (1.0 - 1e-3):
                 break
-        held = float(sums[~np.array(is_free)].sum())
-        scale = (budget * (1.0 - _SLACK) - held) / max(total - held, 1e-300)
+        is_free = _riskiest(sums, can_change, budget) if is_some else can_change
+        held = float(sums[~is_free].sum())
+        scale = (budget * (1.0 - slack) - held) / max(total - held, 1e-300)
         if scale <= 0.0:
             break
-        for number, (problem, incumbent) in enumerate(zip(problems, incumbents, strict=True)):
-            if not is_free[number] or sums[number] <= _LEAST * budget:
-                continue
+        for number in np.flatnonzero(is_free & (sums > _LEAST * budget)).tolist():
+            problem, incumbent = problems[number], incumbents[number]
             allocated = np.clip(risks[number] * scale, _LEAST * budget, CONVEX_RISK)
             z = programs.of(problem, incumbent).point(allocated)
             # Some risks cannot shrink, such as those next to the start: leave the set as it is.
-            is_free[number] = z is not None
+            can_change[number] = z is not None
             if z is not None:
                 points[number], risks[number] = z, programs.risks(problem, incumbent, z)
     return best
+
+
+def _riskiest(sums: Vector, can_change: Flags, budget: float) -> Flags:
+    """Tell the fewest sets, the riskiest, that come to the budget by a little less risk each."""
+    sums_of_some = np.where(can_change, sums, 0.0)
+    order = np.argsort(-sums_of_some, kind="stable")
+    given_up = (1.0 - _TUNED.gentle) * np.cumsum(sums_of_some[order])
+    count = int(np.searchsorted(given_up, sums.sum() - budget)) + 1
+    is_free = np.zeros_like(can_change)
+    is_free[order[:count]] = True
+    return is_free & can_change
 
 
 def repriced(

@@ -47,7 +47,7 @@ def rescaled(
     if budget < candidate.risk <= (1.0 + 2.0 * OVER) * budget:
         # At its budget up to rounding: nothing to rescale.
         whole, budget = whole + candidate.risk - budget, candidate.risk
-    points = repair(problems, plans, budget, programs)
+    points = repair(problems, plans, budget, programs, is_large=fleet.is_large)
     for factor in _TUNED.dearer:
         if points is not None:
             break
@@ -59,7 +59,7 @@ def rescaled(
             for p, plan in zip(problems, plans, strict=True)
         )
         if sum(plan.risk for plan in plans) <= budget:
-            points = repair(problems, plans, budget, programs)
+            points = repair(problems, plans, budget, programs, is_large=fleet.is_large)
     raw = tuple(plan.z for plan in candidate.plans)
     fits = candidate.risk <= budget
     if points is None:

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from radmpc.records import dataclass
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from radmpc.records import dataclass, field
 
 __all__ = ["TUNING", "Tuning"]
 
 
 @dataclass(frozen=True, slots=True)
 class Tuning:
-    """How long reasons and cures are looked for.
+    """How long a plan, reasons and cures are looked for where the search found no plan.
 
     A value that was measured names the scenes; of the others no measurement is recorded.
 
     Attributes
     ----------
+    face_trials : tuple of float
+        Time to tell whether more faces leave a plan to who has none, first and again [s].
+    faces : mapping of int to tuple of int
+        Numbers of faces around pairs that are tried, by dimension [-].
     seconds : float
         Time for all trials of one kind [s]: each takes 0.1 s for a vehicle among a few obstacles.
     trial_seconds : float
@@ -39,6 +46,10 @@ class Tuning:
         Nodes per vehicle to find out whether there is a plan once one thing is left out [-].
     """
 
+    face_trials: tuple[float, ...] = (1.5, 15.0)
+    faces: Mapping[int, tuple[int, ...]] = field(
+        default_factory=lambda: MappingProxyType({2: (8, 16, 32), 3: (14, 26)})
+    )
     seconds: float = 2.0
     trial_seconds: float = 1.2
     weights: tuple[float, ...] = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5)

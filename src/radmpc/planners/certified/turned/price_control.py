@@ -86,6 +86,7 @@ class PriceControl:
     _num_rounds: int = 0
     _num_idle: int = 0
     _num_over: int = 0
+    _num_worse: int = 0
     _num_backs: int = 0
     _cheapest: float = float("inf")
     _last_cost: float = float("inf")
@@ -116,7 +117,8 @@ class PriceControl:
     def is_over(self) -> bool:
         """Whether nothing more is expected of another round."""
         is_idle = self.safe is not None and self._num_idle >= PRICE_TUNING.most_idle
-        return is_idle or self.num_stalls >= PRICE_TUNING.max_stalls
+        is_worse = self._num_worse >= PRICE_TUNING.most_worse
+        return is_idle or is_worse or self.num_stalls >= PRICE_TUNING.max_stalls
 
     def has_nearly_stopped(self, certified: float, cost: float, risk: float) -> bool:
         """Tell whether paths hardly move any more but for what they risk.
@@ -219,6 +221,8 @@ class PriceControl:
         tuning = PRICE_TUNING
         share = tuning.negligible_of_many if self.is_large else tuning.negligible
         is_spent = best is not None and potential <= share * self.gap * abs(cost)
+        is_worse = self.is_large and is_over and cost >= self.rival
+        self._num_worse = self._num_worse + 1 if is_worse else 0
         if is_behind or is_spent:
             self._num_idle = PRICE_TUNING.most_idle
 
