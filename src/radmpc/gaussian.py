@@ -37,6 +37,9 @@ plan is rejected by the referee, far above it plans would hang on the last bit o
 _NOTHING = 1e-13
 """Risk of a pair or an obstacle that need not be looked at where tails fall slowly [-]."""
 
+_DIVISOR = 1e-200
+"""Deviation by which slacks of meters are divided without overflow [m]."""
+
 _MOST_CLEARANCE = 1e8
 """Clearance up to which one is asked for [standard deviations]: tails of few degrees of freedom
 would want 1e100 for no risk at all, and solvers refuse such numbers."""
@@ -57,6 +60,9 @@ def clearance(slack: Vector, deviation: Vector) -> Vector:
     array
         ``slack / deviation``; without noise +inf down to a slack of ``-CONTACT_TOL``.
     """
+    if deviation.size and deviation.min() > _DIVISOR:
+        plain: Vector = slack / deviation
+        return plain
     noisy = deviation > 0.0
     certain = np.where(slack >= -CONTACT_TOL, np.inf, -np.inf)
     with np.errstate(over="ignore"):  # a slack of meters over a deviation of 1e-300

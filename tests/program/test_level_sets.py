@@ -8,7 +8,8 @@ import shapely
 from cones_drawn import Array, directions, normals_of, probability_within
 from scipy.stats import norm
 
-from radmpc.program.relaxed.cones import Outline, cones_around
+from radmpc.program.relaxed.cones import cones_around
+from radmpc.program.relaxed.level_curves import Outline
 from radmpc.program.relaxed.level_sets import level_points
 from radmpc.program.relaxed.normals import chosen_normals, roots_of
 from radmpc.program.relaxed.tails import DiscTails
@@ -35,10 +36,14 @@ def test_level_points_are_hit_with_the_probability_of_their_level_and_hardly_mor
     corners = np.array(shapely.geometry.polygon.orient(body).exterior.coords)[:-1]
     root = np.diag(rng.uniform(0.2, 0.5, 2)) + 0.1 * rng.normal(size=(2, 2))
     covariance = (root @ root.T)[None]
-    chosen = chosen_normals(normals_of(corners)[None], roots_of(covariance), directions(24))
+    chosen = chosen_normals(
+        normals_of(corners)[None], roots_of(*np.linalg.eigh(covariance)), directions(24)
+    )
     support = supported(corners, chosen.normals[0], radius)
     level = float(norm.isf(risk_bound))
-    means, is_reached = level_points(support, chosen.normals, roots_of(covariance), level)
+    means, is_reached = level_points(
+        support, chosen.normals, roots_of(*np.linalg.eigh(covariance)), level
+    )
     assert is_reached[0]
     grown = body.buffer(radius, quad_segs=200)
     risks = np.array([probability_within(mean, covariance[0], grown) for mean in means[0]])

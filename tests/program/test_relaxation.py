@@ -29,8 +29,9 @@ from radmpc.program.build import condensed_models
 from radmpc.program.builder import ProgramBuilder
 from radmpc.program.relaxed.arcs import face_arcs
 from radmpc.program.relaxed.build import build_relaxation
-from radmpc.program.relaxed.cones import Outline, cones_around
+from radmpc.program.relaxed.cones import cones_around
 from radmpc.program.relaxed.instants import Instants
+from radmpc.program.relaxed.level_curves import Outline
 from radmpc.program.relaxed.tails import DiscTails, disc_probability, tails_of
 from radmpc.solvers.priced.rating import Rater
 

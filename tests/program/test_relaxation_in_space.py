@@ -7,8 +7,9 @@ import pytest
 from cones_drawn import Array, chains, clearances_of, directions
 
 from radmpc.geometry import box, hull
-from radmpc.program.relaxed.cones import Outline, cones_around
+from radmpc.program.relaxed.cones import cones_around
 from radmpc.program.relaxed.cones_in_space import cones_in_space
+from radmpc.program.relaxed.level_curves import Outline
 from radmpc.program.relaxed.patches import around_point, around_polytope
 from radmpc.program.relaxed.tails import HalfSpaceTails
 

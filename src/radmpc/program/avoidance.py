@@ -184,6 +184,8 @@ class RowBlock:
 
         Half of the entries along the faces of boxes are zeros, and points are rated by all others.
         """
+        if self.entry_rows.dtype == np.int32:
+            return self
         parents, is_any = self.alternative_parents, self.entry_values != 0.0
         return replace(
             self,

@@ -17,6 +17,7 @@ from radmpc.program.assembly import (
     all_outputs,
     decision_columns,
     joined_parents,
+    numbered,
     run_starts,
     stacked_chance_rows,
 )
@@ -223,7 +224,7 @@ class ProgramBuilder:
         of_events, of_windows = block.event_things, block.avoidance_things
         of_events = np.zeros_like(steps) if of_events is None else of_events
         of_windows = np.zeros_like(windows) if of_windows is None else of_windows
-        keys, numbers = np.unique(of_events * span + steps, return_inverse=True)
+        keys, numbers = numbered(of_events * span + steps)
         self.risk_items += [
             RiskItem(cause, vehicle, others[key // span], self.first_step + key % span)
             for key in keys.tolist()

@@ -135,8 +135,8 @@ def _poorly_separated(
     normals, offsets = joined_faces(parts)
     worst = np.full(len(parts), np.inf)
     for (lower, upper, covariance), moment in zip(endpoints, (0, 1), strict=True):
-        reached = np.where(normals > 0.0, normals * upper, normals * lower).sum(axis=2)
-        variances = np.einsum("nfa,ab,nfb->nf", normals, covariance, normals)
+        reached = np.maximum(normals * upper, normals * lower).sum(axis=2)
+        variances = ((normals @ covariance) * normals).sum(axis=2)
         slack = reached - offsets[:, moment] - radius
         cleared = clearance(slack, np.sqrt(np.maximum(variances, 0.0)))
         worst = np.minimum(worst, cleared.max(axis=1))

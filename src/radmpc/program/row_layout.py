@@ -67,6 +67,8 @@ def lay_out(
     RowBlock
         Numbers count from 0.
     """
+    if not windows.intervals:
+        return _at_steps(body, windows, ends[0], chosen[:2], presolved_risk, kept)
     window, face, share = chosen
     num_ends, count = len(ends), len(window)
     normals = windows.normals[window, face]
@@ -94,6 +96,38 @@ def lay_out(
         events=np.repeat(events, repeats),
         event_steps=keys[1],
         alternative_sizes=counts.sum(axis=1),
+        avoidance_sizes=kept[1],
+        avoidance_windows=windows.numbers[kept[0]],
+        presolved_risk=presolved_risk,
+        num_presolved=int(np.count_nonzero(~kept[0])),
+        event_things=keys[0],
+        avoidance_things=windows.things[kept[0]],
+    )
+
+
+def _at_steps(
+    body: Body,
+    windows: Windows,
+    end: End,
+    chosen: tuple[Indices, Indices],
+    presolved_risk: float,
+    kept: tuple[np.ndarray, Indices],
+) -> RowBlock:
+    """Return what `lay_out` does where only steps count: a row per alternative."""
+    window = chosen[0]
+    count, normals = window.size, windows.normals[chosen]
+    rows, things, steps = np.arange(count), windows.things[window], end.steps[window]
+    keys, events = _numbered((things, steps, 2 * windows.directions[chosen] + end.kind))
+    entries = [_position_entries(part, rows, normals, steps) for part in body.parts]
+    return RowBlock(
+        entry_rows=np.concatenate([each for each, _, _ in entries]),
+        entry_outputs=np.concatenate([outputs.ravel() for _, outputs, _ in entries]),
+        entry_values=np.concatenate([values.ravel() for _, _, values in entries]),
+        offsets=end.offsets[chosen],
+        deviations=end.deviations[chosen],
+        events=events,
+        event_steps=keys[1],
+        alternative_sizes=np.ones(count, dtype=np.int64),
         avoidance_sizes=kept[1],
         avoidance_windows=windows.numbers[kept[0]],
         presolved_risk=presolved_risk,

@@ -66,15 +66,14 @@ def avoidance_rows(
         near = [np.minimum.reduce([_spare(end, c) for end in ends[:-1]]) for c in levels]
         far = [_spare(ends[-1], c) for c in levels]
         shares = shares_of_reserve(near, far, sagitta, _first_and_last(windows))
-    worst = [_worst(ends, sagitta, share) for share in shares]
+    kept = [[_clearance(end, sagitta, share) for end in ends] for share in shares]
+    worst = [np.asarray(np.minimum.reduce(each)) for each in kept]
     best = np.minimum.reduce([clearance(end.most, end.deviations) for end in ends])
     safest_clearance = worst[0].max(axis=1)
     is_presolved = safest_clearance >= enough
     safest = worst[0].argmax(axis=1)
     every = np.arange(num_windows)
-    risks = sum(
-        tail.probability(_clearance(end, sagitta, shares[0])[every, safest]) for end in ends
-    )
+    risks = sum(tail.probability(each[every, safest]) for each in kept[0])
     presolved_risk = float(np.sum(np.asarray(risks)[is_presolved]))
     if np.all(is_presolved):
         return empty_block(presolved_risk, num_windows)
@@ -99,9 +98,8 @@ def _end(
     is_near: bool = True,
 ) -> End:
     """Rate one end of every window over the whole reach."""
-    low, high = body.lower[steps][:, None, :], body.upper[steps][:, None, :]
-    largest = np.where(normals > 0.0, normals * high, normals * low).sum(axis=2)
-    smallest = np.where(normals > 0.0, normals * low, normals * high).sum(axis=2)
+    reach = normals * body.lower[steps][:, None, :], normals * body.upper[steps][:, None, :]
+    smallest, largest = np.minimum(*reach).sum(axis=2), np.maximum(*reach).sum(axis=2)
     variances = np.einsum("wfa,wab,wfb->wf", normals, covariances, normals)
     deviations = np.sqrt(np.maximum(variances, 0.0))
     return End(
@@ -123,14 +121,11 @@ def _spare(end: End, enough: float) -> Vector:
 
 def _clearance(end: End, sagitta: Vector, share: Vector) -> Vector:
     """Return the least clearance of an end over the reach, its share of the reserve kept."""
+    if not sagitta.any():
+        return clearance(end.least, end.deviations)
     kept = share if end.is_near else 1.0 - share
     reserve = 4.0 * np.square(np.where(np.isfinite(share), kept, 0.5)) * sagitta
     return clearance(end.least - reserve, end.deviations)
-
-
-def _worst(ends: list[End], sagitta: Vector, share: Vector) -> Vector:
-    """Return the least clearance of all ends over the reach."""
-    return np.asarray(np.minimum.reduce([_clearance(end, sagitta, share) for end in ends]))
 
 
 def _first_and_last(windows: Windows) -> tuple[Indices, Indices]:

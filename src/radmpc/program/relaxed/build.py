@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Cause
 from radmpc.model.relations.concerns import met_by
@@ -16,10 +16,11 @@ from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.program.relaxed.cones import Cones, Outline
+from radmpc.program.relaxed.cones import Cones
 from radmpc.program.relaxed.cones_in_space import cones_in_space
 from radmpc.program.relaxed.instants import Instants
-from radmpc.program.relaxed.left_out import Vicinity
+from radmpc.program.relaxed.left_out import Vicinity, near_boxes
+from radmpc.program.relaxed.level_curves import Outline
 from radmpc.program.relaxed.patches import Patches, around_point, around_polytope
 from radmpc.program.relaxed.rows import DROPPED, ConeRows, cone_rows
 from radmpc.program.relaxed.shared_rows import SharedRows
@@ -27,6 +28,12 @@ from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, field
 
 __all__ = ["Relaxation", "build_relaxation"]
+
+_Found = tuple[KeepOut, Tensor, Tensor]
+"""A piece of an obstacle, its corners and its faces at the instants."""
+
+_Label = tuple[Cause, str, str]
+"""What may happen, to whom, and with what."""
 
 _BETWEEN = (0.5, 1.0)
 """Instants of an interval that are looked at, as shares of it [-]: those between would be others'
@@ -124,20 +131,7 @@ class _Relaxation:
         for body, (model, instants) in enumerate(zip(self.models, self.instants, strict=True)):
             name = model.vehicle.name
             mine = {obstacle.name for obstacle in met_by(self.scenario.obstacles, name)}
-            for keepout, vertices, faces in outlines:
-                if keepout.name not in mine:
-                    continue
-                label: tuple[Cause, str, str] = "obstacle", name, keepout.name
-                outline = Outline(vertices, faces, model.vehicle.radius)
-                if self.scenario.dimension == 2:
-                    seen = instants.seen_from(keepout.spread)
-                    self._keep_out((body, -1), seen, outline, None, label)
-                    continue
-                # In space, what moves or is flat is left out.
-                is_standing = len(keepout.shapes) == 1
-                patches = around_polytope(keepout.shapes[0]) if is_standing else None
-                if patches is not None:
-                    self._keep_out((body, -1), instants, outline, patches, label)
+            self._keep_out_of(body, [found for found in outlines if found[0].name in mine])
             for cones in self._walls(instants):
                 self._add(instants, cones, "workspace", name, None)
         for i, j in combinations(range(len(self.models)), 2):
@@ -149,23 +143,73 @@ class _Relaxation:
             self._keep_out((i, j), instants, point, patches, ("pair", one.name, two.name))
         return self.builder.finish(self.scenario.risk_bound)
 
+    def _keep_out_of(self, body: int, outlines: list[_Found]) -> None:
+        """Add the rows of the obstacles of a vehicle."""
+        vehicle, instants = self.models[body].vehicle, self.instants[body]
+        is_plane = self.scenario.dimension == 2
+        standing = [found for found in outlines if is_plane and len(found[0].shapes) == 1]
+        chosen = self._in_reach(body, [vertices[0] for _, vertices, _ in standing])
+        every = iter(chosen)
+        for keepout, vertices, faces in outlines:
+            label: tuple[Cause, str, str] = "obstacle", vehicle.name, keepout.name
+            outline = Outline(vertices, faces, vehicle.radius)
+            is_standing = len(keepout.shapes) == 1
+            if is_plane and is_standing:
+                some = next(every)
+                if some.size:
+                    self._keep_out_at(some, instants, outline, label)
+                continue
+            if is_plane:
+                seen = instants.seen_from(keepout.spread)
+                self._keep_out((body, -1), seen, outline, None, label)
+                continue
+            # In space, what moves or is flat is left out.
+            patches = around_polytope(keepout.shapes[0]) if is_standing else None
+            if patches is not None:
+                self._keep_out((body, -1), instants, outline, patches, label)
+
+    def _in_reach(self, body: int, corners: list[Matrix]) -> list[Indices]:
+        """Return when standing obstacles are in a vehicle's reach; none of those left out.
+
+        All at once, as most of many are not.
+        """
+        if not corners:
+            return []
+        instants, radius = self.instants[body], self.models[body].vehicle.radius
+        lower = np.array([each.min(axis=0) for each in corners])
+        upper = np.array([each.max(axis=0) for each in corners])
+        is_in = instants.near(lower[:, None], upper[:, None], self._room(instants, radius))
+        if self.around is not None:
+            path = self.around[body]
+            is_near = near_boxes(instants, (lower, upper), radius, path)
+            is_far = np.logical_not(np.any(is_in & is_near, axis=1))
+            which, when = np.nonzero(is_in & is_far[:, None])
+            if which.size:
+                boxes = lower[which], upper[which]
+                self.left_out.append(Vicinity.of_boxes(body, instants.take(when), boxes, radius))
+                is_in[is_far] = False
+        return [np.flatnonzero(each) for each in is_in]
+
+    def _room(self, instants: Instants, radius: float) -> Vector:
+        """Return the distance beyond which a hazard counts for nothing, (I,) [m]."""
+        enough = float(self.builder.tail.clearance_for(DROPPED * self.scenario.risk_bound))
+        return radius + enough * instants.sizes()
+
     def _keep_out(
         self,
         bodies: tuple[int, int],
         instants: Instants,
         outline: Outline,
         patches: Patches | None,
-        label: tuple[Cause, str, str],
+        label: _Label,
     ) -> None:
         """Add the rows of a hazard at the instants at which it is in reach; patches in space."""
-        enough = float(self.builder.tail.clearance_for(DROPPED * self.scenario.risk_bound))
-        variances = np.trace(instants.covariances, axis1=1, axis2=2)
-        room = outline.radius + enough * np.sqrt(np.maximum(variances, 0.0))
         ends = outline.vertices.min(axis=1), outline.vertices.max(axis=1)
-        chosen = instants.near(*ends, room)
+        chosen = np.flatnonzero(instants.near(*ends, self._room(instants, outline.radius)))
         if not chosen.size:
             return
-        near = instants.take(chosen)
+        if self.around is not None or patches is not None:
+            near = instants.take(chosen)
         if self.around is not None:
             vicinity = Vicinity.of(*bodies, near, outline.take(chosen))
             if not vicinity.is_near(self.around):
@@ -175,6 +219,13 @@ class _Relaxation:
             cones = cones_in_space(patches, outline.radius, near.covariances, self.tails)
             self._add(near, cones, *label)
             return
+        self._keep_out_at(chosen, instants, outline, label)
+
+    def _keep_out_at(
+        self, chosen: Indices, instants: Instants, outline: Outline, label: _Label
+    ) -> None:
+        """Add the rows of a hazard in the plane at some instants."""
+        near = instants.take(chosen)
         around = outline, instants, self.tails, self.num_directions
         rows = self.shared.around(around, chosen, lambda cones: self._rows(near, cones))
         self.builder.add_block(rows.over(near), *label)
@@ -208,7 +259,7 @@ class _Relaxation:
                 found.append(Cones(normals, offsets, deviations, alone, nothing))
         return found
 
-    def _outlines(self, obstacle: Obstacle) -> list[tuple[KeepOut, Tensor, Tensor]]:
+    def _outlines(self, obstacle: Obstacle) -> list[_Found]:
         """Return the corners and faces of an obstacle's pieces at the instants."""
         horizon = self.scenario.horizon
         found = []

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.noise.positions import side_by_side, without_common
@@ -87,18 +88,30 @@ class Instants:
             *_common(model, windows, share),
         )
 
-    def near(self, lower: Matrix, upper: Matrix, distance: Vector) -> Indices:
-        """Return the numbers of the instants at which the body may come near boxes.
+    def sizes(self) -> Vector:
+        """Return the size of the noise, (I,) [m]."""
+        variances = self.covariances[:, 0, 0] + self.covariances[:, 1, 1]
+        for axis in range(2, self.covariances.shape[1]):
+            variances = variances + self.covariances[:, axis, axis]
+        return np.asarray(np.sqrt(np.maximum(variances, 0.0)))
+
+    def near(self, lower: Matrix, upper: Matrix, distance: Vector) -> npt.NDArray[np.bool_]:
+        """Tell at which instants the body may come near boxes.
 
         Parameters
         ----------
-        lower, upper : (I or 1, d) array
+        lower, upper : (..., I or 1, d) array
             The boxes [m].
         distance : (I,) array
             What counts as near [m].
+
+        Returns
+        -------
+        (..., I) bool array
+            Whatever the controls.
         """
         apart = np.maximum(lower - self.upper, self.lower - upper)
-        return np.flatnonzero(np.all(apart <= distance[:, None], axis=1))
+        return np.asarray((apart <= distance[:, None]).all(axis=-1))
 
     def take(self, chosen: Indices) -> Instants:
         """Return some of the instants, by their numbers."""

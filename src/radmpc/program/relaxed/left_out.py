@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.program.relaxed.cones import Outline
 from radmpc.program.relaxed.instants import Instants
+from radmpc.program.relaxed.level_curves import Outline
 from radmpc.records import dataclass
 
-__all__ = ["Vicinity", "near_each_other"]
+__all__ = ["Vicinity", "near_boxes", "near_each_other"]
 
 _NEAR, _CLOSE = 10.0, 4.0
 """Deviations of the relative position within which a hazard is near a path, and within which it is
@@ -20,7 +20,7 @@ close [-]. With 4 or 6 instead of 10 the proof of `fleet(256, 0)` takes as long,
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Vicinity:
-    """Where one hazard is at the instants at which it is in reach.
+    """Where hazards are at the instants at which they are in reach, I in all.
 
     Attributes
     ----------
@@ -31,9 +31,9 @@ class Vicinity:
     shares : (I,) array
         How far through it each instant is [-].
     lower, upper : (I or 1, d) array
-        Box around the hazard [m].
+        Boxes around the hazards [m].
     radius : float
-        By how much it is grown [m].
+        By how much they are grown [m].
     deviations : (I,) array
         Size of the noise [m].
     is_at_steps : bool
@@ -63,12 +63,40 @@ class Vicinity:
         outline : Outline
             The hazard at these instants.
         """
-        variances = np.trace(instants.covariances, axis1=1, axis2=2)
         ends = outline.vertices.min(axis=1), outline.vertices.max(axis=1)
-        deviations = np.sqrt(np.maximum(variances, 0.0))
+        return cls._of((body, other), instants, ends, outline.radius)
+
+    @classmethod
+    def of_boxes(
+        cls, body: int, instants: Instants, boxes: tuple[Matrix, Matrix], radius: float
+    ) -> Vicinity:
+        """Return where hazards that stand still are.
+
+        Parameters
+        ----------
+        body : int
+            As in `Vicinity`.
+        instants : Instants
+            Of the position: hazard by hazard those at which it is in reach.
+        boxes : tuple of (I, d) array
+            Lower and upper ends of the box of the hazard that each instant is of [m].
+        radius : float
+            By how much they are grown [m].
+        """
+        return cls._of((body, -1), instants, boxes, radius)
+
+    @classmethod
+    def _of(
+        cls,
+        bodies: tuple[int, int],
+        instants: Instants,
+        boxes: tuple[Matrix, Matrix],
+        radius: float,
+    ) -> Vicinity:
+        """Return where boxes are at instants."""
         is_at_steps = bool((instants.shares == 1.0).all())
         when = instants.windows, instants.shares
-        return cls(body, other, *when, *ends, outline.radius, deviations, is_at_steps)
+        return cls(*bodies, *when, *boxes, radius, instants.sizes(), is_at_steps)
 
     def is_near(self, paths: Tensor) -> bool:
         """Tell whether mean positions at the steps, (N, T+1, d) [m], come near the hazard."""
@@ -81,13 +109,48 @@ class Vicinity:
     def _is_within(self, paths: Tensor, deviations: float) -> bool:
         """Tell whether mean positions come within so many deviations of the hazard."""
         path = paths[self.body] if self.other < 0 else paths[self.body] - paths[self.other]
-        at = path[self.windows + 1]
-        if not self.is_at_steps:
-            share = self.shares[:, None]
-            at = (1.0 - share) * path[self.windows] + share * at
+        at = _positions(path, self.windows, self.shares, are_steps=self.is_at_steps)
         apart = np.maximum(np.maximum(self.lower - at, at - self.upper), 0.0)
         reach = self.radius + deviations * self.deviations
         return bool(np.any((apart * apart).sum(axis=1) <= reach * reach))
+
+
+def near_boxes(
+    instants: Instants, boxes: tuple[Matrix, Matrix], radius: float, path: Matrix
+) -> NDArray[np.bool_]:
+    """Tell which boxes a path comes near, and when: relaxations would not leave these out.
+
+    Parameters
+    ----------
+    instants : Instants
+        Of the position, I in all.
+    boxes : tuple of (h, d) array
+        Their lower and upper ends [m].
+    radius : float
+        By how much they are grown [m].
+    path : (T+1, d) array
+        Mean positions at the steps [m].
+
+    Returns
+    -------
+    (h, I) bool array
+        True where the path is near a box.
+    """
+    lower, upper = boxes
+    are_steps = bool((instants.shares == 1.0).all())
+    at = _positions(path, instants.windows, instants.shares, are_steps=are_steps)
+    apart = np.maximum(np.maximum(lower[:, None] - at, at - upper[:, None]), 0.0)
+    reach = radius + _NEAR * instants.sizes()
+    return np.asarray((apart * apart).sum(axis=2) <= reach * reach)
+
+
+def _positions(path: Matrix, windows: Indices, shares: Vector, *, are_steps: bool) -> Matrix:
+    """Return mean positions at instants on the chords of a path, (I, d) [m]."""
+    at = path[windows + 1]
+    if are_steps:
+        return at
+    share = shares[:, None]
+    return np.asarray((1.0 - share) * path[windows] + share * at)
 
 
 def near_each_other(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from radmpc.arrays import Tensor
+from radmpc.arrays import Matrix, Tensor
 from radmpc.records import dataclass
 
 __all__ = ["Normals", "chosen_normals", "roots_of"]
@@ -103,15 +103,16 @@ def _merged(faces: Tensor, roots: Tensor, directions: Tensor) -> Tensor:
     return np.take_along_axis(normals, order[..., None], axis=1)
 
 
-def roots_of(covariances: Tensor) -> Tensor:
+def roots_of(values: Matrix, vectors: Tensor) -> Tensor:
     """Return symmetric roots of covariances, the identity where there is no noise.
 
     Parameters
     ----------
-    covariances : (I, 2, 2) array
-        Covariances [m²].
+    values : (I, 2) array
+        Their eigenvalues, ascending [m²].
+    vectors : (I, 2, 2) array
+        Their eigenvectors, in columns.
     """
-    values, vectors = np.linalg.eigh(covariances)
     values = np.sqrt(np.maximum(values, 0.0))
     values[values[:, -1] == 0.0] = 1.0
     return np.asarray(np.einsum("iak,ik,ibk->iab", vectors, values, vectors))

@@ -56,15 +56,13 @@ class ConeRows:
         instants : Instants
             The same instants of the same bodies, with their places in that program.
         """
-        rows = np.arange(self.instant.size)
-        entry_rows, entry_outputs, entry_values = _entries(
-            instants, self.instant, self.normals, rows
-        )
+        rows, outputs, values = _entries(instants, self.instant, self.normals)
+        is_any = values != 0.0
         return replace(
             self.block,
-            entry_rows=entry_rows,
-            entry_outputs=entry_outputs,
-            entry_values=entry_values,
+            entry_rows=rows[is_any].astype(np.int32),
+            entry_outputs=outputs[is_any].astype(np.int32),
+            entry_values=values[is_any],
         )
 
 
@@ -93,9 +91,8 @@ def cone_rows(
         Without rows where every instant is clear throughout its reach.
     """
     is_there = np.isfinite(cones.offsets)
-    low, high = instants.lower[:, None], instants.upper[:, None]
-    least = np.where(cones.normals > 0.0, cones.normals * low, cones.normals * high).sum(axis=2)
-    most = np.where(cones.normals > 0.0, cones.normals * high, cones.normals * low).sum(axis=2)
+    ends = cones.normals * instants.lower[:, None], cones.normals * instants.upper[:, None]
+    least, most = np.minimum(*ends).sum(axis=2), np.maximum(*ends).sum(axis=2)
     deviations = np.where(cones.deviations >= _LEAST_DEVIATION, cones.deviations, 0.0)
     deviations = np.where(is_there, deviations, 1.0)
     enough = float(tail.clearance_for(DROPPED * risk_bound))
@@ -117,14 +114,14 @@ def cone_rows(
         np.zeros(0),
         offsets=-cones.offsets[instant, cone],
         deviations=deviations[instant, cone],
-        events=firsts,
+        events=firsts.astype(np.int32),
         event_steps=event_steps,
-        alternative_sizes=np.ones(instant.size, dtype=np.int64),
+        alternative_sizes=np.ones(instant.size, dtype=np.int32),
         avoidance_sizes=np.bincount(instant, minlength=instants.count)[is_asked],
         avoidance_windows=instants.windows[is_asked],
         presolved_risk=0.0,
         num_presolved=int(np.count_nonzero(~is_asked)),
-        alternative_parents=parents[instant, cone],
+        alternative_parents=parents[instant, cone].astype(np.int32),
     )
     return ConeRows(block, instant, cones.normals[instant, cone])
 
@@ -157,7 +154,7 @@ def _offered(is_within: Flags, parents: Indices) -> tuple[Flags, Indices]:
             stands_for[:, level.order], level.begins, axis=1
         )
     every = stands_for[:, laid_out.levels[0].cones].sum(axis=1)[:, None]
-    above = np.full(is_within.shape, -1)
+    above, instants = np.full(is_within.shape, -1), np.arange(len(is_within))[:, None]
     for depth, level in enumerate(laid_out.levels):
         if depth:
             outer = level.outer
@@ -165,34 +162,38 @@ def _offered(is_within: Flags, parents: Indices) -> tuple[Flags, Indices]:
         wide = level.wide
         if wide.size:
             outer, count = above[:, wide], stands_for[:, wide]
-            of_outer = np.take_along_axis(stands_for, np.maximum(outer, 0), axis=1)
-            of_outer = np.where(outer >= 0, of_outer, every)
+            # Where there is no wider one, the last is read in its place, and not used.
+            of_outer = np.where(outer >= 0, stands_for[instants, outer], every)
             is_offered[:, wide] = is_within[:, wide] & (count > 1) & (count < of_outer)
     numbers = np.cumsum(is_offered.ravel()).reshape(is_offered.shape) - 1
-    chosen = np.take_along_axis(numbers, np.maximum(above, 0), axis=1)
-    return is_offered, np.where(above >= 0, chosen, -1)
+    return is_offered, np.where(above >= 0, numbers[instants, above], -1)
 
 
 def _entries(
-    instants: Instants, instant: Indices, normals: Matrix, rows: Indices
+    instants: Instants, instant: Indices, normals: Matrix
 ) -> tuple[Indices, Indices, Vector]:
     """Return rows, outputs and values of ``-normal · position`` at the instant of each row."""
     if not instant.size:
         nothing: Indices = np.zeros(0, dtype=np.int64)
         return nothing, nothing, np.zeros(0)
-    d = normals.shape[1]
     windows, shares = instants.windows[instant], instants.shares[instant]
+    rows, axes = np.arange(instant.size), np.arange(normals.shape[1])
     found: list[tuple[Indices, Indices, Tensor]] = []
-    for part in instants.parts:
-        for step, weight in ((windows, 1.0 - shares), (windows + 1, shares)):
-            chosen = np.flatnonzero(weight > 0.0)
-            if not chosen.size:
-                continue
-            outputs = part.position + step[chosen, None] * d + np.arange(d)
-            values = -part.sign * weight[chosen, None] * normals[chosen]
-            found.append((np.repeat(rows[chosen], d), outputs.ravel(), values.ravel()))
-        if part.sagitta.any() and np.any(shares < 1.0):
-            found.append(_sagitta_entries(part, windows, shares, normals, rows))
+    ends = ((windows, 1.0 - shares), (windows + 1, shares))
+    for step, weight in ends[1:] if np.all(shares == 1.0) else ends:
+        chosen = np.flatnonzero(weight > 0.0)
+        where = np.repeat(rows[chosen], axes.size)
+        outputs = step[chosen, None] * axes.size + axes
+        values = weight[chosen, None] * normals[chosen]
+        found += [
+            (where, (part.position + outputs).ravel(), (-part.sign * values).ravel())
+            for part in instants.parts
+        ]
+    found += [
+        _sagitta_entries(part, windows, shares, normals, rows)
+        for part in instants.parts
+        if part.sagitta.any() and np.any(shares < 1.0)
+    ]
     first, second, third = zip(*found, strict=True)
     return np.concatenate(first), np.concatenate(second), np.concatenate(third)
 

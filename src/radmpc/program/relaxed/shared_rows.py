@@ -7,8 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor
-from radmpc.program.relaxed.cones import Cones, Outline, cones_around
+from radmpc.program.relaxed.cones import Cones, cones_around
 from radmpc.program.relaxed.instants import Instants
+from radmpc.program.relaxed.level_curves import Outline
 from radmpc.program.relaxed.rows import ConeRows
 from radmpc.program.relaxed.tails import Tails
 
