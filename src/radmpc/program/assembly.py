@@ -24,7 +24,6 @@ __all__ = [
     "all_outputs",
     "decision_columns",
     "joined_parents",
-    "numbered",
     "run_starts",
     "stacked_chance_rows",
 ]
@@ -186,28 +185,6 @@ def joined_parents(blocks: Sequence[RowBlock]) -> Indices | None:
 def run_starts(sizes: Sequence[Indices]) -> Indices:
     """Return where each run starts, and the end, from the lengths of runs in several lists."""
     return np.concatenate([[0], np.cumsum(_join(sizes, np.int64))]).astype(np.int64)
-
-
-def numbered(keys: Indices) -> tuple[Indices, Indices]:
-    """Return different keys, ascending, and the number of every key given among them.
-
-    Parameters
-    ----------
-    keys : (n,) int array
-        What is told apart.
-
-    Returns
-    -------
-    different : (k,) int array
-        The keys.
-    numbers : (n,) int array
-        Of every one given.
-    """
-    if np.all(keys[1:] > keys[:-1]):
-        # One event per step, as of most things to avoid.
-        return keys, np.arange(keys.size)
-    different, numbers = np.unique(keys, return_inverse=True)
-    return different, numbers
 
 
 def _join(parts: Sequence[np.ndarray], kind: type) -> np.ndarray:

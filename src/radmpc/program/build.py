@@ -8,7 +8,6 @@ they are needed (`radmpc.program.visits`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -17,12 +16,16 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.model.noise.positions import position_response
 from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
+from radmpc.program.avoidance import RowBlock
 from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel, PredictionMatrices, condense
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
+from radmpc.program.layout import Label, RiskItem
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass, replace
 
 __all__ = [
+    "SharedBlocks",
     "build_program",
     "condensed_models",
     "controls_of",
@@ -69,6 +72,7 @@ def build_program(
     risk_bound: float,
     first_step: int = 0,
     temporal: Sequence[KeepOut] = (),
+    shared: SharedBlocks | None = None,
 ) -> DisjunctiveProgram:
     """Build the program of some vehicles (paper, Eqs. 1-3, 7, 8 and section Avoidance).
 
@@ -84,6 +88,8 @@ def build_program(
         Absolute step at which the program starts.
     temporal : sequence of KeepOut
         Other vehicles' temporal obstacles; charged as pairs.
+    shared : SharedBlocks or None
+        Rows of other sets of the same fleet, of programs from step 0 on without any of these.
 
     Returns
     -------
@@ -91,25 +97,133 @@ def build_program(
         Risk present at the first step charged where it is k = 0.
     """
     builder = ProgramBuilder(scenario, tuple(models), first_step)
-    horizon = models[0].horizon
-    intervals = scenario.avoidance == "intervals"
-    of_obstacles: list[KeepOut] = []
-    for obstacle in scenario.obstacles:
-        keepouts = obstacle_keepouts(obstacle, first_step, horizon, intervals=intervals)
-        of_obstacles += keepouts
-    for i, model in enumerate(models):
-        mine = {obstacle.name for obstacle in met_by(scenario.obstacles, model.vehicle.name)}
-        builder.keep_out(i, "obstacle", [k for k in of_obstacles if k.name in mine])
-        builder.keep_out(i, "pair", temporal)
-        builder.keep_in_workspace(i)
-    for i, j in combinations(range(len(models)), 2):
-        builder.keep_apart(i, j)
+    if shared is None or first_step > 0 or temporal:
+        of_obstacles = _of_obstacles(scenario, first_step, models[0].horizon)
+        for i in range(len(models)):
+            _avoid_alone(builder, i, of_obstacles, temporal)
+        for i, j in combinations(range(len(models)), 2):
+            builder.keep_apart(i, j)
+    else:
+        shared.add_to(builder)
     if scenario.keep:
         from radmpc.model.relations.keep import keep_pairs  # noqa: PLC0415 - few keep a range
 
         for i, j, within in keep_pairs(scenario.keep, [model.vehicle.name for model in models]):
             builder.keep_within(i, j, within)
     return builder.finish(risk_bound)
+
+
+def _of_obstacles(scenario: Scenario, first_step: int, horizon: int) -> list[KeepOut]:
+    """Return the keep-outs of all obstacles."""
+    intervals = scenario.avoidance == "intervals"
+    return [
+        keepout
+        for obstacle in scenario.obstacles
+        for keepout in obstacle_keepouts(obstacle, first_step, horizon, intervals=intervals)
+    ]
+
+
+def _avoid_alone(
+    builder: ProgramBuilder, i: int, of_obstacles: list[KeepOut], temporal: Sequence[KeepOut] = ()
+) -> None:
+    """Add what a vehicle avoids, whoever else is there."""
+    name = builder.models[i].vehicle.name
+    mine = {obstacle.name for obstacle in met_by(builder.scenario.obstacles, name)}
+    builder.keep_out(i, "obstacle", [k for k in of_obstacles if k.name in mine])
+    builder.keep_out(i, "pair", temporal)
+    builder.keep_in_workspace(i)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Contribution:
+    """What a vehicle or a pair adds to programs, as `ProgramBuilder` has it of nobody else."""
+
+    blocks: tuple[RowBlock, ...]
+    labels: tuple[Label, ...]
+    presolved_risk: float
+    num_presolved: int
+    initial_risk: float
+    initial: tuple[tuple[RiskItem, float], ...]
+
+    @classmethod
+    def of(cls, builder: ProgramBuilder) -> _Contribution:
+        """Return what a builder has collected."""
+        return cls(
+            tuple(builder.blocks),
+            tuple(builder.labels),
+            builder.presolved_risk,
+            builder.num_presolved,
+            builder.initial_risk,
+            tuple(builder.initial),
+        )
+
+    def add_to(self, builder: ProgramBuilder, places: tuple[int, ...]) -> None:
+        """Add it to the program of more vehicles, these at some places."""
+        parts = [builder.parts[place] for place in places]
+        size = builder.scenario.dimension * (builder.models[0].horizon + 1)
+        begins = [(part.position, size) for part in parts]
+        begins += [(part.controls, 2 * part.control_bounds.size) for part in parts]
+        outputs = np.concatenate([np.arange(b, b + n, dtype=np.int32) for b, n in begins])
+        for block, label in zip(self.blocks, self.labels, strict=True):
+            moved = replace(block, entry_outputs=outputs[block.entry_outputs])
+            builder.take_rows(moved, label)
+        builder.presolved_risk += self.presolved_risk
+        builder.num_presolved += self.num_presolved
+        builder.initial_risk += self.initial_risk
+        builder.initial += self.initial
+
+
+class SharedBlocks:
+    """Rows that programs of several sets of a fleet have in common, made once.
+
+    A vehicle avoids the same obstacles in every set, and a pair keeps apart alike: only where they
+    are among the outputs differs from set to set.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[str, ...], _Contribution] = {}
+
+    def add_to(self, builder: ProgramBuilder) -> None:
+        """Add what vehicles avoid to the program of a set.
+
+        Parameters
+        ----------
+        builder : ProgramBuilder
+            Without rows; from step 0 on. Names tell vehicles apart; obstacles that a vehicle cannot
+            meet may be missing in the scenarios of its other sets.
+        """
+        everyone = range(len(builder.models))
+        if len(everyone) == 1:
+            self._known[_names_of(builder)] = _made(builder)
+            return
+        for places in (*((i,) for i in everyone), *combinations(everyone, 2)):
+            self._of(builder, places).add_to(builder, places)
+
+    def clear(self) -> None:
+        """Give up all rows, to be made anew."""
+        self._known.clear()
+
+    def _of(self, builder: ProgramBuilder, places: tuple[int, ...]) -> _Contribution:
+        """Return what a vehicle or a pair contributes, made where it is not known."""
+        alone = ProgramBuilder(builder.scenario, tuple(builder.models[i] for i in places), 0)
+        names = _names_of(alone)
+        if names not in self._known:
+            self._known[names] = _made(alone)
+        return self._known[names]
+
+
+def _names_of(builder: ProgramBuilder) -> tuple[str, ...]:
+    """Return the names of a program's vehicles."""
+    return tuple(model.vehicle.name for model in builder.models)
+
+
+def _made(builder: ProgramBuilder) -> _Contribution:
+    """Return what one vehicle or one pair contributes, collected by a builder of these alone."""
+    if len(builder.models) == 1:
+        _avoid_alone(builder, 0, _of_obstacles(builder.scenario, 0, builder.models[0].horizon))
+    else:
+        builder.keep_apart(0, 1)
+    return _Contribution.of(builder)
 
 
 def controls_of(models: Sequence[CondensedModel], z: Vector) -> list[Matrix]:

@@ -17,7 +17,6 @@ from radmpc.program.assembly import (
     all_outputs,
     decision_columns,
     joined_parents,
-    numbered,
     run_starts,
     stacked_chance_rows,
 )
@@ -25,9 +24,9 @@ from radmpc.program.avoidance import Body, Part, RowBlock, Windows
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.joined import batches, faces_at_start, joined_windows
 from radmpc.program.keepout import KeepOut
-from radmpc.program.layout import laid_out
+from radmpc.program.layout import Label, RiskItem, laid_out, risk_items_of
 from radmpc.program.openings import opening_directions, openings
-from radmpc.program.program import DisjunctiveProgram, RiskItem
+from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relative import own_body, relative_body
 from radmpc.program.rows import avoidance_rows
 from radmpc.program.start import risks_at_start
@@ -56,8 +55,8 @@ class ProgramBuilder:
         The vehicles, in the order of blocks.
     first_step : int
         Absolute step at which the program starts.
-    blocks : list of RowBlock
-        Rows collected so far.
+    blocks, labels : list of RowBlock, list of tuple
+        Rows collected so far, and cause, vehicle and others of each.
     block_risk_items : list of (e,) int array
         The risk item of each event of each block.
     risk_items, avoidances : list of RiskItem
@@ -65,13 +64,14 @@ class ProgramBuilder:
     initial : list of (RiskItem, float)
         Risk at k = 0 that is not negligible.
     presolved_risk, initial_risk, num_presolved, parts
-        Risk of presolved windows, risk at k = 0, how many are presolved; where vehicles stand.
+        Risk of presolved windows and at k = 0, how many are presolved; where vehicles stand.
     """
 
     scenario: Scenario
     models: tuple[CondensedModel, ...]
     first_step: int
     blocks: list[RowBlock] = field(default_factory=list)
+    labels: list[Label] = field(default_factory=list)
     block_risk_items: list[Indices] = field(default_factory=list)
     risk_items: list[RiskItem] = field(default_factory=list)
     avoidances: list[RiskItem] = field(default_factory=list)
@@ -216,26 +216,26 @@ class ProgramBuilder:
         """
         self.presolved_risk += block.presolved_risk
         self.num_presolved += block.num_presolved
-        if block.avoidance_sizes.size == 0:
-            return
-        base = len(self.risk_items)
-        span = int(block.event_steps.max(initial=0)) + 1
-        steps, windows = block.event_steps, block.avoidance_windows
-        of_events, of_windows = block.event_things, block.avoidance_things
-        of_events = np.zeros_like(steps) if of_events is None else of_events
-        of_windows = np.zeros_like(windows) if of_windows is None else of_windows
-        keys, numbers = numbered(of_events * span + steps)
-        self.risk_items += [
-            RiskItem(cause, vehicle, others[key // span], self.first_step + key % span)
-            for key in keys.tolist()
-        ]
+        if block.avoidance_sizes.size:
+            self.take_rows(block.compact(), (cause, vehicle, others))
+
+    def take_rows(self, block: RowBlock, label: Label) -> None:
+        """Take rows whose presolved windows are charged already, and number them.
+
+        Parameters
+        ----------
+        block : RowBlock
+            The rows, compact.
+        label : tuple
+            Cause, vehicle and others, as in `add_block`.
+        """
         first = self.first_step + (0 if self.intervals else 1)
-        self.avoidances += [
-            RiskItem(cause, vehicle, others[thing], first + window)
-            for thing, window in zip(of_windows.tolist(), windows.tolist(), strict=True)
-        ]
-        self.blocks.append(block.compact())
-        self.block_risk_items.append(base + numbers)
+        found = risk_items_of(block, label, (self.first_step, first))
+        self.blocks.append(block)
+        self.labels.append(label)
+        self.block_risk_items.append(len(self.risk_items) + found.numbers)
+        self.risk_items += found.risk_items
+        self.avoidances += found.avoidances
 
     def _charge_starts(self, body: Body, normals: Tensor, offsets: Matrix, labels: _Labels) -> None:
         """Note the least risk of any face of each thing at k = 0, which no control changes.

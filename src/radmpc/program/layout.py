@@ -1,17 +1,52 @@
-"""Where things lie in a program, noted by whoever builds it."""
+"""Where things lie in a program and what they stand for, noted by whoever builds it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from radmpc.arrays import Indices
+from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
-from radmpc.program.avoidance import Part
+from radmpc.program.avoidance import Part, RowBlock
 from radmpc.records import dataclass
 
-__all__ = ["ProgramLayout", "laid_out", "owners_of_runs"]
+__all__ = [
+    "Label",
+    "ProgramLayout",
+    "RiskItem",
+    "RiskItems",
+    "laid_out",
+    "owners_of_runs",
+    "risk_items_of",
+]
+
+
+class RiskItem(NamedTuple):
+    """One thing that may happen at one step: the unit in which risk is allocated and charged.
+
+    Attributes
+    ----------
+    cause : {'obstacle', 'pair', 'workspace', 'range', 'visit'}
+        What may happen; a visit does without risk.
+    vehicle : str
+        To whom.
+    other : str or None
+        The obstacle or the other vehicle; which visit.
+    step : int
+        Absolute step 0..T.
+    """
+
+    cause: Cause | Literal["visit"]
+    vehicle: str
+    other: str | None
+    step: int
+
+
+Label = tuple[Cause | Literal["visit"], str, tuple[str | None, ...]]
+"""What may happen, to whom, and with what: one of these per thing to avoid of a block."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,3 +120,62 @@ def laid_out(
 def owners_of_runs(starts: Indices) -> Indices:
     """Return the number of the run that each member belongs to, from where the runs start."""
     return np.repeat(np.arange(starts.size - 1), np.diff(starts))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RiskItems:
+    """Those of a block of rows.
+
+    Attributes
+    ----------
+    risk_items : list of RiskItem
+        Different ones, by thing and step.
+    numbers : (e,) int array
+        The item of each event, counted from 0.
+    avoidances : list of RiskItem
+        Those of the windows that ask for a choice.
+    """
+
+    risk_items: list[RiskItem]
+    numbers: Indices
+    avoidances: list[RiskItem]
+
+
+def risk_items_of(block: RowBlock, label: Label, steps: tuple[int, int]) -> RiskItems:
+    """Return the risk items of a block of rows.
+
+    Parameters
+    ----------
+    block : RowBlock
+        The rows.
+    label : tuple
+        What may happen there.
+    steps : tuple of int
+        Absolute steps of the first event and of the first window.
+    """
+    cause, vehicle, others = label
+    first_step, first_window = steps
+    span = int(block.event_steps.max(initial=0)) + 1
+    at, windows = block.event_steps, block.avoidance_windows
+    of_events, of_windows = block.event_things, block.avoidance_things
+    of_events = np.zeros_like(at) if of_events is None else of_events
+    of_windows = np.zeros_like(windows) if of_windows is None else of_windows
+    keys, numbers = _numbered(of_events * span + at)
+    items = [
+        RiskItem(cause, vehicle, others[key // span], first_step + key % span)
+        for key in keys.tolist()
+    ]
+    avoidances = [
+        RiskItem(cause, vehicle, others[thing], first_window + window)
+        for thing, window in zip(of_windows.tolist(), windows.tolist(), strict=True)
+    ]
+    return RiskItems(items, numbers, avoidances)
+
+
+def _numbered(keys: Indices) -> tuple[Indices, Indices]:
+    """Return different keys, ascending, and the number of every key given among them."""
+    if np.all(keys[1:] > keys[:-1]):
+        # One event per step, as of most things to avoid.
+        return keys, np.arange(keys.size)
+    different, numbers = np.unique(keys, return_inverse=True)
+    return different, numbers

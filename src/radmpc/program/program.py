@@ -8,16 +8,13 @@ product; a row's dense form over ``z`` is made only for the few that enter a sol
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Integers, Vector, distinct
 from radmpc.gaussian import GAUSSIAN, Tail, clearance
-from radmpc.model.plan import Cause
-from radmpc.program.layout import ProgramLayout, owners_of_runs
+from radmpc.program.layout import ProgramLayout, RiskItem, owners_of_runs
 from radmpc.records import dataclass
 
 __all__ = ["PRESOLVED_RISK", "PRESOLVED_SHARE", "ChanceRows", "DisjunctiveProgram", "RiskItem"]
@@ -28,27 +25,6 @@ charged at that probability and left out. Where Δ is below 1e-4, `PRESOLVED_SHA
 
 PRESOLVED_SHARE = 1e-8
 """Share of Δ that one presolved avoidance may take [-]: thousands of them leave Δ as it is."""
-
-
-class RiskItem(NamedTuple):
-    """One thing that may happen at one step: the unit in which risk is allocated and charged.
-
-    Attributes
-    ----------
-    cause : {'obstacle', 'pair', 'workspace', 'range', 'visit'}
-        What may happen; a visit does without risk.
-    vehicle : str
-        To whom.
-    other : str or None
-        The obstacle or the other vehicle; which visit.
-    step : int
-        Absolute step 0..T.
-    """
-
-    cause: Cause | Literal["visit"]
-    vehicle: str
-    other: str | None
-    step: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)

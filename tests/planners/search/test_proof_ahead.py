@@ -142,8 +142,8 @@ def test_faces_that_leave_a_vehicle_no_plan_bound_nothing_from_above(monkeypatch
     fleet = Fleet.of(scenario, 1e-3, Limits())
     by_faces = RelaxedSet.by_faces
 
-    def blocked(alone, models, base, most=np.inf):
-        found = by_faces(alone, models, base, most)
+    def blocked(alone, models, base, most=np.inf, shared=None):
+        found = by_faces(alone, models, base, most, shared)
         if len(models) == 1:
             program = replace(found.built.program, upper=found.built.program.lower - 1.0)
             rater = Rater(program, alone.risk_bound)

@@ -12,7 +12,7 @@ from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.policies.policy import SolveRequest
-from radmpc.program.build import build_program
+from radmpc.program.build import SharedBlocks, build_program
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass, replace
@@ -62,6 +62,7 @@ class SetProblem:
         members: tuple[int, ...],
         models: Sequence[CondensedModel] | Mapping[int, CondensedModel],
         unit: float,
+        shared: SharedBlocks | None = None,
     ) -> SetProblem:
         """Build the program of some vehicles of a fleet.
 
@@ -75,6 +76,8 @@ class SetProblem:
             Those of the whole fleet, or theirs by their numbers.
         unit : float
             The fleet's unit of risk [-], see `radmpc.planners.certified.fleet`.
+        shared : SharedBlocks or None
+            Rows that programs of the fleet have in common.
 
         Returns
         -------
@@ -82,7 +85,7 @@ class SetProblem:
             With a lattice search where it is one vehicle in the plane.
         """
         chosen = tuple(models[i] for i in members)
-        program = build_program(scenario, chosen, risk_bound=scenario.risk_bound)
+        program = build_program(scenario, chosen, risk_bound=scenario.risk_bound, shared=shared)
         rater = Rater(program, unit)
         passage = None
         if len(chosen) == 1 and program.num_avoidances and not rater.is_infeasible:

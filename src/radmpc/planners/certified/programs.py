@@ -16,7 +16,7 @@ from radmpc.planners.certified.problem import SetProblem, build_problems
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
 from radmpc.planners.least_effort import least_effort
-from radmpc.program.build import controls_of
+from radmpc.program.build import SharedBlocks, controls_of
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 from radmpc.system.memory import hand_back_freed
@@ -62,6 +62,7 @@ class SetPrograms:
         self.models = hazards.models
         self.covariances = hazards.covariances
         self.surroundings = Surroundings(scenario, self.models)
+        self._shared = SharedBlocks()
         self._problems: dict[Members, SetProblem] = {}
         self._sets_of: dict[int, set[Members]] = {}
         self._alone: dict[Members, Scenario] = {}
@@ -76,7 +77,8 @@ class SetPrograms:
         """
         if members not in self._problems:
             self._forget_parts(members)
-            problem = SetProblem.of(self.alone(members), members, self.models, self.unit)
+            alone = self.alone(members)
+            problem = SetProblem.of(alone, members, self.models, self.unit, self._shared)
             self._keep(problem.without_cost() if self.is_costless else problem)
         return self._problems[members]
 
@@ -98,6 +100,7 @@ class SetPrograms:
     def forget(self) -> None:
         """Give up all programs, to be built anew: those of twenty robots may take 120 MB."""
         self._problems.clear()
+        self._shared.clear()
         self._sets_of.clear()
         self._motions.clear()
         hand_back_freed()

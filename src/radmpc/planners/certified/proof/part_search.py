@@ -17,7 +17,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import in_empty_space, within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.components import components
-from radmpc.program.build import point_of
+from radmpc.program.build import SharedBlocks, point_of
 from radmpc.program.relaxed.left_out import near_each_other
 from radmpc.program.relaxed.shared_rows import SharedCones, SharedRows
 from radmpc.records import dataclass, field, replace
@@ -77,6 +77,7 @@ class _PartSearch:
     limits: Limits
     sets: dict[Members, RelaxedSet]
     shared: SharedRows
+    blocks: SharedBlocks = field(default_factory=SharedBlocks)
     nodes: int = 0
     surroundings: Surroundings | None = None
     near: NDArray[np.bool_] | None = None
@@ -261,7 +262,8 @@ class _PartSearch:
                 self.surroundings = Surroundings(part.scenario, part.models)
             scenario = self.surroundings.of(blocks)
         if part.tails is None:
-            return RelaxedSet.by_faces(scenario, models, base, most)
+            shared = None if part.is_narrowed else self.blocks
+            return RelaxedSet.by_faces(scenario, models, base, most, shared)
         asked = part.tails, self.order.num_directions, most, self.shared, around
         return RelaxedSet.of(scenario, models, base, *asked)
 

@@ -9,7 +9,7 @@ import numpy as np
 from radmpc.arrays import Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.proof.built import Built
-from radmpc.program.build import build_program
+from radmpc.program.build import SharedBlocks, build_program
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.relaxed.build import build_relaxation
 from radmpc.program.relaxed.shared_rows import SharedRows
@@ -123,6 +123,7 @@ class RelaxedSet:
         models: Sequence[CondensedModel],
         base: float,
         most: float = float("inf"),
+        shared: SharedBlocks | None = None,
     ) -> RelaxedSet:
         """Build the program of a set's faces, of which no risk beyond Δ is of interest.
 
@@ -130,9 +131,12 @@ class RelaxedSet:
         ----------
         scenario, models, base, most
             As in `of`.
+        shared : SharedBlocks or None
+            Rows of other sets of the same vehicles, whose reach is theirs.
         """
-        program = build_program(scenario, tuple(models), risk_bound=scenario.risk_bound)
-        return cls._of(Built(scenario, program, Rater(program, scenario.risk_bound)), base, most)
+        risk_bound = scenario.risk_bound
+        program = build_program(scenario, tuple(models), risk_bound=risk_bound, shared=shared)
+        return cls._of(Built(scenario, program, Rater(program, risk_bound)), base, most)
 
     @classmethod
     def _of(
