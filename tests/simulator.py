@@ -91,6 +91,8 @@ def _noise(truth: Truth, rng: np.random.Generator) -> np.ndarray:
     if truth.freedom is not None:
         nu = truth.freedom
         fresh *= np.sqrt((nu - 2.0) / rng.chisquare(nu, truth.steps))[:, None]
+    if truth.color == 0.0:
+        return fresh
     found = np.empty(shape)
     found[0] = fresh[0]
     for k in range(1, truth.steps):
@@ -107,10 +109,11 @@ def _flown(truth: Truth, noise: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.
     references = np.zeros((truth.steps + 1, 2 * truth.dimension))
     states = np.zeros_like(references)
     controls = np.zeros((truth.steps + 1, truth.dimension))
+    gain, push = truth.gain, truth.push
     for k in range(truth.steps):
         references[k + 1] = A @ references[k] + B @ planned[k]
-        controls[k] = planned[k] + truth.gain @ (states[k] - references[k])
-        states[k + 1] = A @ states[k] + B @ controls[k] + truth.push + noise[k]
+        controls[k] = planned[k] + gain @ (states[k] - references[k])
+        states[k + 1] = A @ states[k] + B @ controls[k] + push + noise[k]
     return states, controls, references
 
 

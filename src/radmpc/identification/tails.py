@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from scipy.special import chdtri, gammaln, ndtr
@@ -12,6 +13,9 @@ from radmpc.identification.intervals import LEVEL, SIGMAS
 from radmpc.records import dataclass
 
 __all__ = ["Tails", "scatter", "tails", "variance_ratios"]
+
+_AT_ONCE = 250_000
+"""Numbers that likelihoods are computed of in one go [-]."""
 
 _GRID = np.linspace(0.0, 0.45, 226)
 """Reciprocals of degrees of freedom [-] whose likelihoods are compared; 0 is Gaussian."""
@@ -109,6 +113,7 @@ def scatter(kind: Tails | None, steps: float) -> tuple[float, float, float]:
     return max(min(worth, 2.0 * (SIGMAS / (1.0 - least)) ** 2), 1.0), least, most
 
 
+@lru_cache(maxsize=256)
 def variance_ratios(freedom: float, steps: float) -> tuple[float, float]:
     """Return between what ratios to the true one the variance of a log lies in 95 %.
 
@@ -157,13 +162,17 @@ def _reciprocal_freedom(distances: Vector, axes: Vector) -> tuple[float, float, 
     """
     loglikelihood = np.empty(_GRID.size)
     loglikelihood[0] = -0.5 * float(distances.sum() + axes.sum() * np.log(2 * np.pi))
-    for i, reciprocal in enumerate(_GRID[1:], start=1):
-        nu = 1.0 / reciprocal
-        each = (
-            gammaln(0.5 * (nu + axes)) - gammaln(0.5 * nu) - 0.5 * axes * np.log(np.pi * (nu - 2.0))
-        )
-        rest = 0.5 * (nu + axes) * np.log1p(distances / (nu - 2.0))
-        loglikelihood[i] = float(np.sum(each - rest))
+    nu = 1.0 / _GRID[1:]
+    loglikelihood[1:] = 0.0
+    for number, count in zip(*np.unique(axes, return_counts=True), strict=True):
+        each = gammaln(0.5 * (nu + number)) - gammaln(0.5 * nu)
+        loglikelihood[1:] += count * (each - 0.5 * number * np.log(np.pi * (nu - 2.0)))
+    # Many at once, but not all of a long log.
+    size = max(1, _AT_ONCE // max(distances.size, 1))
+    for begin in range(0, nu.size, size):
+        some = nu[begin : begin + size, None]
+        rest = (0.5 * (some + axes) * np.log1p(distances / (some - 2.0))).sum(axis=1)
+        loglikelihood[1 + begin : 1 + begin + size] -= rest
     best = int(np.argmax(loglikelihood))
     is_likely = 2.0 * (loglikelihood[best] - loglikelihood) <= float(chdtri(1.0, 0.05))
     likely = np.flatnonzero(is_likely)
