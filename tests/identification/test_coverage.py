@@ -88,6 +88,7 @@ def test_drift_is_as_sure_as_it_says_in_noise_that_outlasts_a_short_log() -> Non
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("freedom", [3.5, 5.0])
 def test_variances_of_noise_with_heavy_tails_are_as_sure_as_they_say(freedom: float) -> None:
     truth = Truth(steps=300, freedom=freedom)

@@ -86,6 +86,7 @@ def crossing() -> tuple[Fleet, FleetIncumbent, float]:
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("is_by_faces", [True, False], ids=["by faces", "any"])
 def test_sets_of_fewer_prove_no_more_than_all_together_cost(
     crossing: tuple[Fleet, FleetIncumbent, float],
