@@ -151,6 +151,27 @@ def test_a_large_round_that_is_certified_as_it_is_is_not_rescaled(
         assert accepted.first_certificate == share
 
 
+def test_a_large_round_just_above_the_bound_is_rescaled_by_what_the_referee_found() -> None:
+    problem = Fleet.of(fleet(49, 1), GAP, Limits(float("inf"), never))
+    state, found = run_round(problem, price_alone(problem, SearchState.of(problem)))
+    risk_bound, shares, judged = problem.scenario.risk_bound, iter([1.1, 0.9]), []
+
+    def judge(controls):
+        judged.append(controls)
+        return Verdict(next(shares) * risk_bound, ())
+
+    accepted = accept_round(problem, state, found, judge)
+    union_bound = found.risk + found.inter_set_risk
+    assert len(judged) == 2
+    assert accepted.state.incumbent.union_bound == pytest.approx(
+        TUNING.acceptance.aim / 1.1 * union_bound
+    )
+    stayed = [np.array_equal(a, b) for a, b in zip(*judged, strict=True)]
+    assert not all(stayed)
+    # Most had risk to spare, and none of it was asked for.
+    assert sum(stayed) > len(stayed) / 2
+
+
 def test_programs_that_workers_build_are_those_built_here():
     scenario, limits = fleet(49, 0), Limits(float("inf"), never)
     here, there, cut_off = (Fleet.of(scenario, GAP, limits).programs for _ in range(3))
