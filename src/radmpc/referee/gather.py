@@ -17,8 +17,7 @@ from radmpc.referee.encounters import Encounters
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.neighbors import (
     Balls,
-    far_from_box,
-    flight_boxes,
+    far_from_boxes,
     motion_balls,
     near_pairs,
 )
@@ -191,10 +190,10 @@ def gather_obstacles(
     if not scenario.obstacles:
         return Gathered((), skipped)
     num_pieces = sum(len(o.at(0)) for o in scenario.obstacles)
-    looked = None
+    far_from = None
     if count * num_pieces > _EXPLICIT:
         balls = motion_balls(motion, intervals=intervals)
-        looked = balls, flight_boxes(balls)
+        far_from = _far_from_pieces(scenario, motion, balls, intervals=intervals)
     # Batches of one kind each: what stands still, what moves, what moves and is not known exactly.
     chosen: dict[tuple[bool, bool], list[NearPiece]] = {
         kind: [] for kind in ((False, False), (True, False), (True, True))
@@ -204,8 +203,8 @@ def gather_obstacles(
     for number, piece, pieces in pieces_of(scenario, 0):
         place = -1 if tracks is None else int(tracks.places[number])
         near = mine[number]
-        if looked is not None:
-            far = _far_from(pieces, motion, looked, place, intervals=intervals)
+        if far_from is not None:
+            far = next(far_from)
             if always is not None:
                 far &= ~always
             skipped += far & near
@@ -218,24 +217,22 @@ def gather_obstacles(
     return Gathered(batches, skipped)
 
 
-def _far_from(
-    pieces: Sequence[Polytope],
-    motion: FleetMotion,
-    looked: tuple[Balls, tuple[Matrix, Matrix]],
-    place: int,
-    *,
-    intervals: bool,
-) -> Flags:
-    """Return who is far from a piece in every window, which may be off its track, if it has one."""
-    balls, flights = looked
-    lower, upper = boxes_of(pieces, balls, intervals=intervals)
-    if motion.tracks is not None and place >= 0:
-        # Deviations of two add up to less than their sum.
-        cutoff, _ = cutoff_of(motion.samples)
-        deviations = motion.tracks.deviations[place]
-        more = cutoff * in_windows(deviations, intervals=intervals)[:, None]
-        lower, upper = lower - more, upper + more
-    return far_from_box(balls, flights, lower, upper)
+def _far_from_pieces(
+    scenario: Scenario, motion: FleetMotion, balls: Balls, *, intervals: bool
+) -> Iterator[Flags]:
+    """Yield who is far from each piece in every window, which may be off its track, if any."""
+    boxes = []
+    for number, _, pieces in pieces_of(scenario, 0):
+        lower, upper = boxes_of(pieces, balls, intervals=intervals)
+        place = -1 if motion.tracks is None else int(motion.tracks.places[number])
+        if motion.tracks is not None and place >= 0:
+            # Deviations of two add up to less than their sum.
+            cutoff, _ = cutoff_of(motion.samples)
+            deviations = motion.tracks.deviations[place]
+            more = cutoff * in_windows(deviations, intervals=intervals)[:, None]
+            lower, upper = lower - more, upper + more
+        boxes.append((lower, upper))
+    yield from far_from_boxes(balls, boxes)
 
 
 def near_pieces(
@@ -256,14 +253,15 @@ def near_pieces(
     intervals : bool
         Whether windows are intervals, or steps.
     """
-    mine, flights = concerned(scenario), flight_boxes(balls)
-    for number, piece, shapes in pieces_of(scenario, step):
+    mine, every, boxes = concerned(scenario), list(pieces_of(scenario, step)), []
+    for number, _, shapes in every:
         lower, upper = boxes_of(shapes, balls, intervals=intervals)
         if reaches is not None:
             more = in_windows(reaches[number, step:], intervals=intervals)[:, None]
             lower, upper = lower - more, upper + more
-        near = np.flatnonzero(~far_from_box(balls, flights, lower, upper) & mine[number])
-        yield NearPiece(number, piece, near, shapes, None)
+        boxes.append((lower, upper))
+    for (number, piece, shapes), far in zip(every, far_from_boxes(balls, boxes), strict=True):
+        yield NearPiece(number, piece, np.flatnonzero(~far & mine[number]), shapes, None)
 
 
 def _obstacle_batch(motion: FleetMotion, group: Sequence[NearPiece]) -> Encounters:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -10,10 +12,17 @@ from radmpc.records import dataclass
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.tails import cutoff_of
 
-__all__ = ["Balls", "far_from_box", "flight_boxes", "motion_balls", "near_pairs"]
+__all__ = ["Balls", "far_from_boxes", "motion_balls", "near_pairs"]
 
 _FEW = 64
 """Vehicles up to which every pair is looked at [-]: a tree is no quicker, and slow to load."""
+
+_ALIKE = 1.5
+"""Ratio of the largest ball to the median one up to which all are looked for as far as it [-]: in
+one go, in half the time."""
+
+_AT_ONCE = 1_000_000
+"""Boxes times vehicles that are looked at in one go [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,6 +99,10 @@ def _candidates(centers: Matrix, reaches: Vector) -> tuple[Indices, Indices]:
         return low, high
     from scipy.spatial import cKDTree  # noqa: PLC0415 - see `_FEW`
 
+    largest = float(reaches.max())
+    if largest <= _ALIKE * float(np.median(reaches)):
+        found = cKDTree(centers).query_pairs(2.0 * largest, output_type="ndarray")
+        return found[:, 0], found[:, 1]
     # The larger of two balls that meet reaches the other's center within twice its radius.
     lists = cKDTree(centers).query_ball_point(centers, 2.0 * reaches)
     i = np.repeat(np.arange(count), [len(near) for near in lists])
@@ -97,22 +110,10 @@ def _candidates(centers: Matrix, reaches: Vector) -> tuple[Indices, Indices]:
     return np.minimum(i, j), np.maximum(i, j)
 
 
-def flight_boxes(balls: Balls) -> tuple[Matrix, Matrix]:
-    """Return the corners of the boxes around all that each vehicle's balls hold, (N, d) each.
-
-    Parameters
-    ----------
-    balls : Balls
-        Of all vehicles.
-    """
-    reaches = balls.reaches[:, :, None]
-    return (balls.centers - reaches).min(axis=1), (balls.centers + reaches).max(axis=1)
-
-
-def far_from_box(
-    balls: Balls, flights: tuple[Matrix, Matrix], lower: Matrix, upper: Matrix
-) -> npt.NDArray[np.bool_]:
-    """Return which vehicles' balls stay clear of a box in all windows, (N,) bool.
+def far_from_boxes(
+    balls: Balls, boxes: Sequence[tuple[Matrix, Matrix]]
+) -> Iterator[npt.NDArray[np.bool_]]:
+    """Yield which vehicles' balls stay clear of each box in all windows, (N,) bool.
 
     An axis that separates ball and box is a half-space with as many standard deviations to spare.
 
@@ -120,18 +121,33 @@ def far_from_box(
     ----------
     balls : Balls
         Of all vehicles.
-    flights : (N, d) array and (N, d) array
-        The boxes around them: most vehicles never come near.
-    lower, upper : (K, d) array
-        Corners of the box in each window [m].
+    boxes : sequence of tuple of (K, d) array
+        Lower and upper corners of each box in each window [m].
     """
-    lowest, highest = flights
-    far: npt.NDArray[np.bool_] = np.any(
-        (lowest >= upper.max(axis=0)) | (highest <= lower.min(axis=0)), axis=1
-    )
-    some = np.flatnonzero(~far)
-    if some.size:
-        centers, reaches = balls.centers[some], balls.reaches[some, :, None]
-        beside = (centers - reaches >= upper) | (centers + reaches <= lower)
-        far[some] = np.all(np.any(beside, axis=2), axis=1)
-    return far
+    if not boxes:
+        return
+    lowest = np.array([lower.min(axis=0) for lower, _ in boxes])
+    highest = np.array([upper.max(axis=0) for _, upper in boxes])
+    # Most vehicles never come near most boxes.
+    for (lower, upper), far in zip(boxes, _apart(balls, lowest, highest), strict=True):
+        some = np.flatnonzero(~far)
+        if some.size:
+            centers, reaches = balls.centers[some], balls.reaches[some, :, None]
+            beside = (centers - reaches >= upper) | (centers + reaches <= lower)
+            far[some] = np.all(np.any(beside, axis=2), axis=1)
+        yield far
+
+
+def _apart(balls: Balls, lower: Matrix, upper: Matrix) -> npt.NDArray[np.bool_]:
+    """Return which vehicles never come near which boxes, (B, N), by boxes around all balls."""
+    reaches = balls.reaches[:, :, None]
+    lowest = (balls.centers - reaches).min(axis=1)
+    highest = (balls.centers + reaches).max(axis=1)
+    found = np.zeros((len(lower), len(lowest)), dtype=bool)
+    size = max(1, _AT_ONCE // max(len(lowest), 1))
+    for begin in range(0, len(lower), size):
+        some = slice(begin, begin + size)
+        for axis in range(lower.shape[1]):
+            found[some] |= lowest[:, axis] >= upper[some, axis, None]
+            found[some] |= highest[:, axis] <= lower[some, axis, None]
+    return found
