@@ -194,7 +194,7 @@ class SharedBlocks:
         """
         everyone = range(len(builder.models))
         if len(everyone) == 1:
-            self._known[_names_of(builder)] = _made(builder)
+            self._known[_names_of(builder.models)] = _made(builder)
             return
         for places in (*((i,) for i in everyone), *combinations(everyone, 2)):
             self._of(builder, places).add_to(builder, places)
@@ -205,16 +205,16 @@ class SharedBlocks:
 
     def _of(self, builder: ProgramBuilder, places: tuple[int, ...]) -> _Contribution:
         """Return what a vehicle or a pair contributes, made where it is not known."""
-        alone = ProgramBuilder(builder.scenario, tuple(builder.models[i] for i in places), 0)
-        names = _names_of(alone)
+        models = tuple(builder.models[i] for i in places)
+        names = _names_of(models)
         if names not in self._known:
-            self._known[names] = _made(alone)
+            self._known[names] = _made(ProgramBuilder(builder.scenario, models, 0))
         return self._known[names]
 
 
-def _names_of(builder: ProgramBuilder) -> tuple[str, ...]:
-    """Return the names of a program's vehicles."""
-    return tuple(model.vehicle.name for model in builder.models)
+def _names_of(models: Sequence[CondensedModel]) -> tuple[str, ...]:
+    """Return the names of vehicles, by which rows of theirs are known."""
+    return tuple(model.vehicle.name for model in models)
 
 
 def _made(builder: ProgramBuilder) -> _Contribution:

@@ -186,7 +186,9 @@ class _Relaxation:
             which, when = np.nonzero(is_in & is_far[:, None])
             if which.size:
                 boxes = lower[which], upper[which]
-                self.left_out.append(Vicinity.of_boxes(body, instants.take(when), boxes, radius))
+                self.left_out.append(
+                    Vicinity.of_boxes((body, -1), instants.take(when), boxes, radius)
+                )
                 is_in[is_far] = False
         return [np.flatnonzero(each) for each in is_in]
 

@@ -64,36 +64,29 @@ class Vicinity:
             The hazard at these instants.
         """
         ends = outline.vertices.min(axis=1), outline.vertices.max(axis=1)
-        return cls._of((body, other), instants, ends, outline.radius)
+        return cls.of_boxes((body, other), instants, ends, outline.radius)
 
     @classmethod
     def of_boxes(
-        cls, body: int, instants: Instants, boxes: tuple[Matrix, Matrix], radius: float
-    ) -> Vicinity:
-        """Return where hazards that stand still are.
-
-        Parameters
-        ----------
-        body : int
-            As in `Vicinity`.
-        instants : Instants
-            Of the position: hazard by hazard those at which it is in reach.
-        boxes : tuple of (I, d) array
-            Lower and upper ends of the box of the hazard that each instant is of [m].
-        radius : float
-            By how much they are grown [m].
-        """
-        return cls._of((body, -1), instants, boxes, radius)
-
-    @classmethod
-    def _of(
         cls,
         bodies: tuple[int, int],
         instants: Instants,
         boxes: tuple[Matrix, Matrix],
         radius: float,
     ) -> Vicinity:
-        """Return where boxes are at instants."""
+        """Return where several hazards are.
+
+        Parameters
+        ----------
+        bodies : tuple of int
+            Body and other, as in `Vicinity`.
+        instants : Instants
+            Of the position: hazard by hazard those at which it is in reach.
+        boxes : tuple of (I or 1, d) array
+            Lower and upper ends of the box of the hazard that each instant is of [m].
+        radius : float
+            By how much they are grown [m].
+        """
         is_at_steps = bool((instants.shares == 1.0).all())
         when = instants.windows, instants.shares
         return cls(*bodies, *when, *boxes, radius, instants.sizes(), is_at_steps)
