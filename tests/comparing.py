@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 
 import numpy as np
+from scipy.sparse import csr_array
+
+_OF_SPARSE = "indptr", "indices", "data"
 
 
 def differences(first: object, second: object, path: str = "") -> list[str]:
@@ -15,7 +18,9 @@ def differences(first: object, second: object, path: str = "") -> list[str]:
     if isinstance(first, np.ndarray) and isinstance(second, np.ndarray):
         same = first.shape == second.shape and first.tobytes() == second.tobytes()
         return [] if same else [f"{path}: {first.tolist()} and {second.tolist()}"]
-    if is_dataclass(first):
+    if isinstance(first, csr_array) and isinstance(second, csr_array):
+        parts = [(name, getattr(first, name), getattr(second, name)) for name in _OF_SPARSE]
+    elif is_dataclass(first):
         parts = [(f.name, getattr(first, f.name), getattr(second, f.name)) for f in fields(first)]
     elif isinstance(first, tuple | list) and isinstance(second, tuple | list):
         if len(first) != len(second):

@@ -280,13 +280,11 @@ class Scenario:
         ScenarioError
             If these vehicles do not fit the rest.
         """
-        from radmpc.model.relations.concerns import among  # noqa: PLC0415 - few take parts
+        from radmpc.model.relations.subset import kept_and_met  # noqa: PLC0415 - few take parts
 
         chosen = tuple(vehicles)
-        names = {vehicle.name for vehicle in chosen}
-        keep = tuple(one for one in self.keep if names.issuperset(one.vehicles))
         met = self.obstacles if obstacles is None else obstacles
-        some = tuple(among(obstacle, names) for obstacle in met)
+        keep, some = kept_and_met(chosen, self.keep, met)
         return replace(self, vehicles=chosen, keep=keep, obstacles=some)
 
 

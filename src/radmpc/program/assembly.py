@@ -11,6 +11,7 @@ from scipy.sparse import block_diag, csr_array
 from radmpc.arrays import Indices, Vector
 from radmpc.program.avoidance import RowBlock
 from radmpc.program.condensed import CondensedModel
+from radmpc.program.layout import RiskItems
 from radmpc.program.limits.hard import split_hard_rows
 from radmpc.program.program import ChanceRows
 from radmpc.records import dataclass
@@ -65,6 +66,18 @@ def decision_columns(models: Sequence[CondensedModel]) -> DecisionColumns:
     models : sequence of CondensedModel
         The vehicles.
     """
+    if len(models) == 1:
+        return models[0].kept.once(_columns_of_one, models[0])
+    return _columns(models)
+
+
+def _columns_of_one(model: CondensedModel) -> DecisionColumns:
+    """Return those of a vehicle alone."""
+    return _columns((model,))
+
+
+def _columns(models: Sequence[CondensedModel]) -> DecisionColumns:
+    """Return those of some vehicles."""
     cost, upper = _cost_and_upper_bounds(models)
     hard, hard_lower, hard_upper = _stacked_hard_rows(models)
     lower = np.zeros(cost.size)
@@ -136,26 +149,28 @@ def _stacked_hard_rows(models: Sequence[CondensedModel]) -> tuple[csr_array, Vec
 
 
 def stacked_chance_rows(
-    blocks: Sequence[RowBlock], risk_items: Sequence[Indices], num_outputs: int
+    blocks: Sequence[RowBlock], items: Sequence[RiskItems], num_outputs: int
 ) -> ChanceRows:
-    """Return the rows of all blocks, row and event numbers counted through.
+    """Return the rows of all blocks, numbers of rows, events and risk items counted through.
 
     Parameters
     ----------
     blocks : sequence of RowBlock
         The rows of each avoidance; numbers count from 0 within a block.
-    risk_items : sequence of (e,) int array
-        The risk item of each event of each block, counted through already.
+    items : sequence of RiskItems
+        Those of each block, alike.
     num_outputs : int
         Outputs of the program p.
     """
-    row_base = event_base = 0
-    entry_rows, events = [], []
-    for block in blocks:
+    row_base = event_base = item_base = 0
+    entry_rows, events, risk_items = [], [], []
+    for block, one in zip(blocks, items, strict=True):
         entry_rows.append(block.entry_rows + row_base)
         events.append(block.events + event_base)
+        risk_items.append(one.numbers + item_base)
         row_base += block.offsets.size
         event_base += block.event_steps.size
+        item_base += len(one.risk_items)
     values = _join([b.entry_values for b in blocks], np.float64)
     where = _join(entry_rows, np.int64), _join([b.entry_outputs for b in blocks], np.int64)
     return ChanceRows(

@@ -16,13 +16,12 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.model.noise.positions import position_response
 from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
-from radmpc.program.avoidance import RowBlock
 from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel, PredictionMatrices, condense
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
-from radmpc.program.layout import Label, RiskItem
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.records import dataclass, replace
+from radmpc.program.sharing.contribution import Contribution
+from radmpc.records import replace
 
 __all__ = [
     "SharedBlocks",
@@ -134,45 +133,6 @@ def _avoid_alone(
     builder.keep_in_workspace(i)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Contribution:
-    """What a vehicle or a pair adds to programs, as `ProgramBuilder` has it of nobody else."""
-
-    blocks: tuple[RowBlock, ...]
-    labels: tuple[Label, ...]
-    presolved_risk: float
-    num_presolved: int
-    initial_risk: float
-    initial: tuple[tuple[RiskItem, float], ...]
-
-    @classmethod
-    def of(cls, builder: ProgramBuilder) -> _Contribution:
-        """Return what a builder has collected."""
-        return cls(
-            tuple(builder.blocks),
-            tuple(builder.labels),
-            builder.presolved_risk,
-            builder.num_presolved,
-            builder.initial_risk,
-            tuple(builder.initial),
-        )
-
-    def add_to(self, builder: ProgramBuilder, places: tuple[int, ...]) -> None:
-        """Add it to the program of more vehicles, these at some places."""
-        parts = [builder.parts[place] for place in places]
-        size = builder.scenario.dimension * (builder.models[0].horizon + 1)
-        begins = [(part.position, size) for part in parts]
-        begins += [(part.controls, 2 * part.control_bounds.size) for part in parts]
-        outputs = np.concatenate([np.arange(b, b + n, dtype=np.int32) for b, n in begins])
-        for block, label in zip(self.blocks, self.labels, strict=True):
-            moved = replace(block, entry_outputs=outputs[block.entry_outputs])
-            builder.take_rows(moved, label)
-        builder.presolved_risk += self.presolved_risk
-        builder.num_presolved += self.num_presolved
-        builder.initial_risk += self.initial_risk
-        builder.initial += self.initial
-
-
 class SharedBlocks:
     """Rows that programs of several sets of a fleet have in common, made once.
 
@@ -181,7 +141,7 @@ class SharedBlocks:
     """
 
     def __init__(self) -> None:
-        self._known: dict[tuple[str, ...], _Contribution] = {}
+        self._known: dict[tuple[str, ...], Contribution] = {}
 
     def add_to(self, builder: ProgramBuilder) -> None:
         """Add what vehicles avoid to the program of a set.
@@ -203,7 +163,7 @@ class SharedBlocks:
         """Give up all rows, to be made anew."""
         self._known.clear()
 
-    def _of(self, builder: ProgramBuilder, places: tuple[int, ...]) -> _Contribution:
+    def _of(self, builder: ProgramBuilder, places: tuple[int, ...]) -> Contribution:
         """Return what a vehicle or a pair contributes, made where it is not known."""
         models = tuple(builder.models[i] for i in places)
         names = _names_of(models)
@@ -217,13 +177,13 @@ def _names_of(models: Sequence[CondensedModel]) -> tuple[str, ...]:
     return tuple(model.vehicle.name for model in models)
 
 
-def _made(builder: ProgramBuilder) -> _Contribution:
+def _made(builder: ProgramBuilder) -> Contribution:
     """Return what one vehicle or one pair contributes, collected by a builder of these alone."""
     if len(builder.models) == 1:
         _avoid_alone(builder, 0, _of_obstacles(builder.scenario, 0, builder.models[0].horizon))
     else:
         builder.keep_apart(0, 1)
-    return _Contribution.of(builder)
+    return Contribution.of(builder)
 
 
 def controls_of(models: Sequence[CondensedModel], z: Vector) -> list[Matrix]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.gaussian import Tail
 from radmpc.geometry import inner_faces, sphere_directions
 from radmpc.model.obstacle_track import TrackSpread
@@ -24,7 +24,7 @@ from radmpc.program.avoidance import Body, Part, RowBlock, Windows
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.joined import batches, faces_at_start, joined_windows
 from radmpc.program.keepout import KeepOut
-from radmpc.program.layout import Label, RiskItem, laid_out, risk_items_of
+from radmpc.program.layout import Label, RiskItem, RiskItems, laid_out, risk_items_of
 from radmpc.program.openings import opening_directions, openings
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relative import own_body, relative_body
@@ -55,10 +55,8 @@ class ProgramBuilder:
         The vehicles, in the order of blocks.
     first_step : int
         Absolute step at which the program starts.
-    blocks, labels : list of RowBlock, list of tuple
-        Rows collected so far, and cause, vehicle and others of each.
-    block_risk_items : list of (e,) int array
-        The risk item of each event of each block.
+    blocks, labels, items : list of RowBlock, list of tuple, list of RiskItems
+        Rows collected so far; cause, vehicle and others of each; and its risk items.
     risk_items, avoidances : list of RiskItem
         Those of all blocks.
     initial : list of (RiskItem, float)
@@ -72,7 +70,7 @@ class ProgramBuilder:
     first_step: int
     blocks: list[RowBlock] = field(default_factory=list)
     labels: list[Label] = field(default_factory=list)
-    block_risk_items: list[Indices] = field(default_factory=list)
+    items: list[RiskItems] = field(default_factory=list)
     risk_items: list[RiskItem] = field(default_factory=list)
     avoidances: list[RiskItem] = field(default_factory=list)
     initial: list[tuple[RiskItem, float]] = field(default_factory=list)
@@ -219,7 +217,7 @@ class ProgramBuilder:
         if block.avoidance_sizes.size:
             self.take_rows(block.compact(), (cause, vehicle, others))
 
-    def take_rows(self, block: RowBlock, label: Label) -> None:
+    def take_rows(self, block: RowBlock, label: Label, items: RiskItems | None = None) -> None:
         """Take rows whose presolved windows are charged already, and number them.
 
         Parameters
@@ -228,12 +226,14 @@ class ProgramBuilder:
             The rows, compact.
         label : tuple
             Cause, vehicle and others, as in `add_block`.
+        items : RiskItems or None
+            Of a program from the same step on; None is not known.
         """
         first = self.first_step + (0 if self.intervals else 1)
-        found = risk_items_of(block, label, (self.first_step, first))
+        found = items or risk_items_of(block, label, (self.first_step, first))
         self.blocks.append(block)
         self.labels.append(label)
-        self.block_risk_items.append(len(self.risk_items) + found.numbers)
+        self.items.append(found)
         self.risk_items += found.risk_items
         self.avoidances += found.avoidances
 
@@ -266,7 +266,7 @@ class ProgramBuilder:
         lower, upper = columns.lower, columns.upper
         num_visits = 0 if columns.times is None else self._add_visits(columns.times)
         outputs, constant = all_outputs(self.models, upper.size)
-        rows = stacked_chance_rows(self.blocks, self.block_risk_items, outputs.shape[0])
+        rows = stacked_chance_rows(self.blocks, self.items, outputs.shape[0])
         avoidance_starts = run_starts([b.avoidance_sizes for b in self.blocks])
         return DisjunctiveProgram(
             cost=columns.cost,

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector, distinct
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.gaussian import Tail, clearance
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
-from radmpc.nearby import near_pairs
+from radmpc.nearby import near_pairs_ever
 
 __all__ = ["by_sets", "inter_set_risks", "pair_risks_across_sets"]
 
@@ -190,11 +190,7 @@ def _neighbors(
     steps = np.linalg.norm(np.diff(means, axis=1), axis=2).max(initial=0.0)
     path = float(steps) + 2.0 * sagitta if scenario.avoidance == "intervals" else 0.0
     far = Tail(scenario.covariance_samples).beyond(_FAR)
-    found = []
-    for k in range(means.shape[1]):
-        near = 2.0 * radii.max() + far * float(spreads[k]) + path
-        near *= np.sqrt(scenario.dimension)  # a pair's best face may see less than its distance
-        found.append(near_pairs(means[:, k], float(near)))
-    pairs, count = np.concatenate(found), len(means)
-    one, two = np.divmod(distinct(pairs[:, 0] * count + pairs[:, 1]), count)
+    near = 2.0 * radii.max() + far * spreads + path
+    near *= np.sqrt(scenario.dimension)  # a pair's best face may see less than its distance
+    one, two = near_pairs_ever(means, near).T
     return one, two

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from radmpc.arrays import field_names, unchecked
 from radmpc.gaussian import Tail
 from radmpc.model.relations.concerns import concerned
+from radmpc.model.relations.subset import kept_and_met
 from radmpc.model.scenario import Scenario
 from radmpc.program.condensed import CondensedModel
 
@@ -62,5 +64,10 @@ class Surroundings:
         """Return the scenario of some vehicles and the obstacles they may meet."""
         whole = self._scenario
         near = np.flatnonzero(self._near[list(members)].any(axis=0))
-        met = [whole.obstacles[int(i)] for i in near]
-        return whole.with_vehicles([whole.vehicles[i] for i in members], met)
+        vehicles = tuple(whole.vehicles[i] for i in members)
+        keep, met = kept_and_met(vehicles, whole.keep, (whole.obstacles[i] for i in near.tolist()))
+        changed: dict[str, object] = {"vehicles": vehicles, "keep": keep, "obstacles": met}
+        # What fits the whole fits its parts.
+        values = (changed.get(name, getattr(whole, name)) for name in field_names(Scenario))
+        part: Scenario = unchecked(Scenario, *values)
+        return part

@@ -8,29 +8,28 @@ from itertools import combinations
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Cause
 from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.keepout import KeepOut, obstacle_keepouts
+from radmpc.program.keepout import obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.cones import Cones
 from radmpc.program.relaxed.cones_in_space import cones_in_space
 from radmpc.program.relaxed.instants import Instants
 from radmpc.program.relaxed.left_out import Vicinity, near_boxes
 from radmpc.program.relaxed.level_curves import Outline
+from radmpc.program.relaxed.obstacles import Found, seen_at, walls_of
 from radmpc.program.relaxed.patches import Patches, around_point, around_polytope
 from radmpc.program.relaxed.rows import DROPPED, ConeRows, cone_rows
+from radmpc.program.relaxed.shared_hazards import HazardRows
 from radmpc.program.relaxed.shared_rows import SharedRows
 from radmpc.program.relaxed.tails import Tails
+from radmpc.program.sharing.contribution import Contribution
 from radmpc.records import dataclass, field
 
 __all__ = ["Relaxation", "build_relaxation"]
-
-_Found = tuple[KeepOut, Tensor, Tensor]
-"""A piece of an obstacle, its corners and its faces at the instants."""
 
 _Label = tuple[Cause, str, str]
 """What may happen, to whom, and with what."""
@@ -91,8 +90,33 @@ def build_relaxation(
         The program, and what was left out.
     """
     shared = SharedRows() if shared is None else shared
-    relaxation = _Relaxation(scenario, tuple(models), tails, num_directions, shared, around)
-    return Relaxation(relaxation.program(), tuple(relaxation.left_out))
+    bodies = tuple(range(len(models)))
+
+    def made(places: tuple[int, ...]) -> _Relaxation:
+        some, paths = _some_of(places, models, around)
+        return _Relaxation(scenario, some, tails, num_directions, shared, paths)
+
+    def rows_of(places: tuple[int, ...]) -> HazardRows:
+        alone = made(places)
+        alone.add(bodies[: len(places)])
+        return HazardRows(Contribution.of(alone.builder), tuple(alone.left_out))
+
+    whole = made(bodies)
+    for places in (*((i,) for i in bodies), *combinations(bodies, 2)):
+        if shared.hazards is None:
+            whole.add(places)
+            continue
+        named = _some_of(places, models, around)
+        found = shared.hazards.of(*named, lambda places=places: rows_of(places))  # type: ignore[misc] # bound now
+        whole.left_out += found.add_to(whole.builder, places)
+    return Relaxation(whole.builder.finish(scenario.risk_bound), tuple(whole.left_out))
+
+
+def _some_of(
+    places: tuple[int, ...], models: Sequence[CondensedModel], around: Tensor | None
+) -> tuple[tuple[CondensedModel, ...], Tensor | None]:
+    """Return some of the vehicles, and where they are in a plan."""
+    return tuple(models[i] for i in places), None if around is None else around[list(places)]
 
 
 @dataclass(slots=True, eq=False)
@@ -107,45 +131,53 @@ class _Relaxation:
     around: Tensor | None
     left_out: list[Vicinity] = field(default_factory=list)
     builder: ProgramBuilder = field(init=False)
-    instants: tuple[Instants, ...] = field(init=False)
+    instants: dict[int, Instants] = field(default_factory=dict)
+    outlines: list[Found] | None = None
 
     def __post_init__(self) -> None:
-        """Lay out every vehicle's instants."""
+        """Begin without rows."""
         self.builder = ProgramBuilder(self.scenario, self.models, 0)
-        shares = _BETWEEN if self.intervals else (1.0,)
-        self.instants = tuple(
-            Instants.of(model, part, shares)
-            for model, part in zip(self.models, self.builder.parts, strict=True)
-        )
 
     @property
     def intervals(self) -> bool:
         """Whether collisions count between steps."""
         return self.scenario.avoidance == "intervals"
 
-    def program(self) -> DisjunctiveProgram:
-        """Return the relaxation."""
-        outlines = [
-            outline for obstacle in self.scenario.obstacles for outline in self._outlines(obstacle)
-        ]
-        for body, (model, instants) in enumerate(zip(self.models, self.instants, strict=True)):
-            name = model.vehicle.name
-            mine = {obstacle.name for obstacle in met_by(self.scenario.obstacles, name)}
-            self._keep_out_of(body, [found for found in outlines if found[0].name in mine])
-            for cones in self._walls(instants):
-                self._add(instants, cones, "workspace", name, None)
-        for i, j in combinations(range(len(self.models)), 2):
-            one, two = self.models[i].vehicle, self.models[j].vehicle
-            instants = self.instants[i].relative_to(self.instants[j])
-            d = self.scenario.dimension
-            point = Outline(np.zeros((1, 1, d)), np.zeros((1, 0, d)), one.radius + two.radius)
-            patches = around_point(_LEVELS) if d == 3 else None
-            self._keep_out((i, j), instants, point, patches, ("pair", one.name, two.name))
-        return self.builder.finish(self.scenario.risk_bound)
+    def add(self, places: tuple[int, ...]) -> None:
+        """Add the rows of what a vehicle meets, or of a pair."""
+        if len(places) == 1:
+            self._add_alone(*places)
+        else:
+            self._add_pair(*places)
 
-    def _keep_out_of(self, body: int, outlines: list[_Found]) -> None:
+    def _add_alone(self, body: int) -> None:
+        """Add the rows of the obstacles and of the workspace of a vehicle."""
+        name = self.models[body].vehicle.name
+        mine = {obstacle.name for obstacle in met_by(self.scenario.obstacles, name)}
+        self._keep_out_of(body, [found for found in self._outlines() if found[0].name in mine])
+        for cones in walls_of(self.scenario.workspace, self._instants(body)):
+            self._add(self._instants(body), cones, "workspace", name, None)
+
+    def _add_pair(self, i: int, j: int) -> None:
+        """Add the rows of two vehicles."""
+        one, two = self.models[i].vehicle, self.models[j].vehicle
+        instants = self._instants(i).relative_to(self._instants(j))
+        d = self.scenario.dimension
+        point = Outline(np.zeros((1, 1, d)), np.zeros((1, 0, d)), one.radius + two.radius)
+        patches = around_point(_LEVELS) if d == 3 else None
+        self._keep_out((i, j), instants, point, patches, ("pair", one.name, two.name))
+
+    def _instants(self, body: int) -> Instants:
+        """Return where a vehicle is at the instants at which collisions count."""
+        if body not in self.instants:
+            shares = _BETWEEN if self.intervals else (1.0,)
+            part = self.builder.parts[body]
+            self.instants[body] = Instants.of(self.models[body], part, shares)
+        return self.instants[body]
+
+    def _keep_out_of(self, body: int, outlines: list[Found]) -> None:
         """Add the rows of the obstacles of a vehicle."""
-        vehicle, instants = self.models[body].vehicle, self.instants[body]
+        vehicle, instants = self.models[body].vehicle, self._instants(body)
         is_plane = self.scenario.dimension == 2
         standing = [found for found in outlines if is_plane and len(found[0].shapes) == 1]
         chosen = self._in_reach(body, [vertices[0] for _, vertices, _ in standing])
@@ -175,7 +207,7 @@ class _Relaxation:
         """
         if not corners:
             return []
-        instants, radius = self.instants[body], self.models[body].vehicle.radius
+        instants, radius = self._instants(body), self.models[body].vehicle.radius
         lower = np.array([each.min(axis=0) for each in corners])
         upper = np.array([each.max(axis=0) for each in corners])
         is_in = instants.near(lower[:, None], upper[:, None], self._room(instants, radius))
@@ -244,51 +276,13 @@ class _Relaxation:
         bound = self.scenario.risk_bound
         return cone_rows(instants, cones, bound, self.builder.tail, is_shared=self.intervals)
 
-    def _walls(self, instants: Instants) -> list[Cones]:
-        """Return the faces of the workspace: a half-space each, as it is."""
-        workspace = self.scenario.workspace
-        if workspace is None:
-            return []
-        found = []
-        for axis in range(self.scenario.dimension):
-            for sign, corner in ((1.0, workspace.lower), (-1.0, workspace.upper)):
-                normals = np.zeros((instants.count, 1, self.scenario.dimension))
-                normals[:, 0, axis] = sign
-                variances = np.maximum(instants.covariances[:, axis, axis], 0.0)
-                offsets = np.full((instants.count, 1), sign * corner[axis])
-                nothing = np.zeros(instants.count, dtype=bool)
-                deviations, alone = np.sqrt(variances)[:, None], np.array([-1])
-                found.append(Cones(normals, offsets, deviations, alone, nothing))
-        return found
-
-    def _outlines(self, obstacle: Obstacle) -> list[_Found]:
-        """Return the corners and faces of an obstacle's pieces at the instants."""
-        horizon = self.scenario.horizon
-        found = []
-        for keepout in obstacle_keepouts(obstacle, 0, horizon, intervals=self.intervals):
-            shapes = keepout.shapes
-            if len(shapes) == 1:
-                found.append((keepout, shapes[0].vertices[None], shapes[0].normals[None]))
-                continue
-            sample = self.instants[0]
-            at = [
-                _between(shapes[k].vertices, shapes[k + 1].vertices, s)
-                for k, s in zip(sample.windows, sample.shares, strict=True)
+    def _outlines(self) -> list[Found]:
+        """Return the corners and faces of all obstacles' pieces at the instants."""
+        if self.outlines is None:
+            horizon, sample = self.scenario.horizon, self._instants(0)
+            self.outlines = [
+                seen_at(sample, keepout)
+                for obstacle in self.scenario.obstacles
+                for keepout in obstacle_keepouts(obstacle, 0, horizon, intervals=self.intervals)
             ]
-            faces = [np.vstack([shapes[k].normals, shapes[k + 1].normals]) for k in sample.windows]
-            found.append((keepout, _stacked(at), _stacked(faces)))
-        return found
-
-
-def _between(first: Matrix, second: Matrix, share: float) -> Matrix:
-    """Return points whose hull is the Minkowski interpolation of two hulls."""
-    if share == 1.0:
-        return second
-    sums = (1.0 - share) * first[:, None] + share * second[None]
-    return np.asarray(sums.reshape(-1, first.shape[1]))
-
-
-def _stacked(points: list[Matrix]) -> Tensor:
-    """Stack lists of different lengths, the last of each repeated."""
-    most = max(len(p) for p in points)
-    return np.array([np.concatenate([p, np.repeat(p[-1:], most - len(p), axis=0)]) for p in points])
+        return self.outlines

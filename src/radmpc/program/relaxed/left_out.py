@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.relaxed.instants import Instants
 from radmpc.program.relaxed.level_curves import Outline
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 
 __all__ = ["Vicinity", "near_boxes", "near_each_other"]
 
@@ -90,6 +90,17 @@ class Vicinity:
         is_at_steps = bool((instants.shares == 1.0).all())
         when = instants.windows, instants.shares
         return cls(*bodies, *when, *boxes, radius, instants.sizes(), is_at_steps)
+
+    def of_bodies(self, places: tuple[int, ...]) -> Vicinity:
+        """Return the same of vehicles that are at other places.
+
+        Parameters
+        ----------
+        places : tuple of int
+            The place of each vehicle that bodies count among.
+        """
+        other = self.other if self.other < 0 else places[self.other]
+        return replace(self, body=places[self.body], other=other)
 
     def is_near(self, paths: Tensor) -> bool:
         """Tell whether mean positions at the steps, (N, T+1, d) [m], come near the hazard."""

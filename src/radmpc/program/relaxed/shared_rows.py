@@ -11,6 +11,7 @@ from radmpc.program.relaxed.cones import Cones, cones_around
 from radmpc.program.relaxed.instants import Instants
 from radmpc.program.relaxed.level_curves import Outline
 from radmpc.program.relaxed.rows import ConeRows
+from radmpc.program.relaxed.shared_hazards import SharedHazards
 from radmpc.program.relaxed.tails import Tails
 
 __all__ = ["SharedCones", "SharedRows"]
@@ -31,7 +32,7 @@ class SharedCones:
     Parameters
     ----------
     keeps_rows : bool
-        Whether rows of them are kept for all, too: in large fleets they are many.
+        Whether rows of them are kept for all who ask, too: in large fleets they are many.
     """
 
     def __init__(self, *, keeps_rows: bool = False) -> None:
@@ -42,11 +43,13 @@ class SharedCones:
 
     def rows(self) -> SharedRows:
         """Return rows of these cones: those of all who ask, or new ones where none are kept."""
-        if not self._keeps_rows:
-            return SharedRows(self)
-        if self._rows is None:
-            self._rows = SharedRows(self)
+        if self._rows is None or not self._keeps_rows:
+            self._rows = SharedRows(self, SharedHazards())
         return self._rows
+
+    def forget_rows(self) -> None:
+        """Give up the rows: those around another plan are asked for next."""
+        self._rows = None
 
     def at(
         self,
@@ -89,9 +92,15 @@ class SharedRows:
     ----------
     cones : SharedCones or None
         Those of other vehicles, for the same tails.
+    hazards : SharedHazards or None
+        Of the same vehicles, within their whole reach: rows are kept there alone. None is within
+        any reach.
     """
 
-    def __init__(self, cones: SharedCones | None = None) -> None:
+    def __init__(
+        self, cones: SharedCones | None = None, hazards: SharedHazards | None = None
+    ) -> None:
+        self.hazards = hazards
         self._cones = SharedCones() if cones is None else cones
         self._rows: dict[tuple[object, ...], ConeRows] = {}
 
@@ -113,6 +122,8 @@ class SharedRows:
         """
         outline, instants, _, count = around
         hazard = outline.vertices.tobytes(), outline.radius, instants.covariances.tobytes(), count
+        if self.hazards is not None:
+            return rows_of(self._cones.at(hazard, around, chosen))
         lower, upper = instants.lower[chosen], instants.upper[chosen]
         reach = lower.tobytes(), upper.tobytes(), chosen.tobytes()
         rows = self._rows.get((hazard, reach))

@@ -13,9 +13,12 @@ from itertools import combinations
 from math import comb
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.proof.tuning import TUNING
+from radmpc.solvers.lp.choosing import bounded_lp
+from radmpc.solvers.lp.outcome import LpOutcome
 
 __all__ = ["expected_gains", "gains_of", "packed"]
 
@@ -61,8 +64,6 @@ def packed(gains: Mapping[Members, float]) -> tuple[float, tuple[Members, ...]]:
     (float, tuple of tuple of int)
         A sum that is proven where its gains are, whatever the linear program says.
     """
-    from scipy.optimize import linprog  # noqa: PLC0415 - loads slowly; only hard sets ask
-
     if not gains:
         return 0.0, ()
     sets, values = list(gains), np.array(list(gains.values()))
@@ -73,10 +74,11 @@ def packed(gains: Mapping[Members, float]) -> tuple[float, tuple[Members, ...]]:
     counted = np.zeros((len(place), len(sets)))
     for column, members in enumerate(sets):
         counted[[place[i] for i in members], column] = 1.0
-    answer = linprog(-values, A_ub=counted, b_ub=np.ones(len(place)))
-    if answer.x is None:
-        return float(values.max(initial=0.0)), (sets[int(values.argmax())],)
-    weights = np.maximum(answer.x, 0.0)
+    lp = bounded_lp(-values / values.max(), np.zeros(len(sets)), np.ones(len(sets)))
+    lp.add_rows(csr_array(counted), np.full(len(place), -np.inf), np.ones(len(place)))
+    if lp.solve()[0] is not LpOutcome.OPTIMAL:
+        return float(values.max()), (sets[int(values.argmax())],)
+    weights = np.maximum(lp.point(), 0.0)
     # No vehicle counts more than once, whatever tolerances the solver has.
     weights /= max(1.0, float((counted @ weights).max()) * (1.0 + _ROUNDING))
     chosen = np.flatnonzero(weights > TUNING.least_weight)

@@ -45,7 +45,8 @@ def search_part(task: PartTask, limits: Limits, cones: SharedCones | None = None
         What is known then; the same wherever it was searched, unless a limit ended it.
     """
     # Where reach is narrowed, it is another one every time.
-    shared = SharedRows(cones) if cones is None or task.part.is_narrowed else cones.rows()
+    cones = SharedCones() if cones is None else cones
+    shared = SharedRows(cones) if task.part.is_narrowed else cones.rows()
     search = _PartSearch(task.part, task.order, limits, dict(task.proven), shared)
     is_new = search.advance(tuple(range(len(task.part.members))))
     return PartAnswer(search.sets, search.nodes, is_new)

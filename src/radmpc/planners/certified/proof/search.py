@@ -133,6 +133,7 @@ class BoundSearch:
             Its shadow price of Δ, per unit of probability; one that is nearly the same is kept.
         """
         self.incumbent, self.parts, self.is_left = incumbent, {}, False
+        self._cones.forget_rows()
         if abs(price - self.price) > TUNING.same_price * self.price:
             self.go_on_at(price)
 
@@ -229,8 +230,7 @@ class BoundSearch:
         """
         is_new, paid = False, map(self._paid_for_hazards, self.order)
         worth = least_worth(paid, self.gap * self.incumbent.cost)
-        spare = self.most_nodes - self.nodes
-        order = PartOrder.of_effort(effort, nodes, self.price, worth, spare)
+        order = PartOrder.of_effort(effort, nodes, self.price, worth, self.most_nodes - self.nodes)
         with closing(self._answers(order, parts)) as answers:
             for members, answer in answers:
                 is_new |= answer.is_new

@@ -74,7 +74,7 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
         if limits.reached or (found.controls and number >= num_sides):
             break
         # Twenty vehicles' take 100 MB, and hardly any attempt is turned again.
-        attempt.turning.successive.forget_all_but(())
+        attempt.turning.successive.programs.forget_all_but(())
     if found.controls or best is None:
         return found
     return best.run()

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Matrix
 from radmpc.gaussian import Tail
@@ -23,11 +24,11 @@ from radmpc.planners.certified.turned.linear.margins import (
     priced_margins,
 )
 from radmpc.planners.certified.turned.linear.warm_programs import Group, WarmPrograms
+from radmpc.planners.certified.turned.looks import keep_clear, unforeseen
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import reached_by
 from radmpc.planners.certified.turned.paths import Paths, SavedPaths
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.unforeseen import unforeseen
 from radmpc.planners.least_effort import least_effort
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
@@ -152,7 +153,6 @@ class SuccessiveLp:
             Of a meter missed in the first sweep, see `Tuning.first_penalty` [-].
         is_quick : bool
             Whether it is left where so much is missed that it leads to nothing, as a rule.
-
         is_shared : bool
             Whether a program of all follows, in which they share detours: until then it is enough
             that nobody misses anything.
@@ -164,7 +164,8 @@ class SuccessiveLp:
         """
         least, num_stuck, cost = np.inf, 0, np.inf
         penalty = first_penalty
-        order, is_still = range(self.hazards.count), np.zeros(self.hazards.count, dtype=bool)
+        order, is_still = range(self.hazards.count), self._clear_alone(clearance)
+        self.missed[is_still] = 0.0
         # Where other attempts follow, what misses that much is left to them.
         most_missed = TUNING.most_missed * float(self.hazards.radii.sum())
         for number in range(max_sweeps):
@@ -194,6 +195,16 @@ class SuccessiveLp:
             penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
         return float(self.missed.sum()) <= _MISSED
 
+    def _clear_alone(self, clearance: float) -> npt.NDArray[np.bool_]:
+        """Return who moves as if alone and keeps clear of all others, (N,)."""
+        alone = [i for i in range(self.hazards.count) if self._is_alone(i)]
+        near = Near(clearance, 0.0, is_refined=False, is_start_given=self._has_visits)
+        return keep_clear(self.hazards, self.paths, alone, near)
+
+    def _is_alone(self, i: int) -> bool:
+        """Whether a vehicle moves with least effort, as if nothing were in its way."""
+        return self.paths.controls[i] is self.least.get(i)
+
     def plan_alone(self, i: int, clearance: float, penalty: float, reach: float = 0.0) -> None:
         """Plan one vehicle between half-spaces turned to its latest path.
 
@@ -211,8 +222,7 @@ class SuccessiveLp:
         reach = max(reach, float(self.hazards.reaches[i]))
         near = Near(clearance, reach, is_refined=False, is_start_given=self._has_visits)
         spaces = half_spaces(self.hazards, self.paths, (i,), near)
-        is_least = self.paths.controls[i] is self.least.get(i)
-        if is_least and np.all(spaces.clearances >= clearance):
+        if self._is_alone(i) and np.all(spaces.clearances >= clearance):
             self.missed[i] = 0.0
             return
         margins = fixed_margins(spaces.deviations, clearance, penalty * self.meter)
@@ -276,16 +286,6 @@ class SuccessiveLp:
         """Give a group the controls of a plan."""
         for i, controls in zip(group, plan.controls, strict=True):
             self.paths.fly(i, controls)
-
-    def forget_all_but(self, groups: Sequence[Group]) -> None:
-        """Give up the linear programs of groups that will not be planned again.
-
-        Parameters
-        ----------
-        groups : sequence of tuple of int
-            Those that will.
-        """
-        self.programs.forget_all_but(groups)
 
 
 def _risk(spaces: HalfSpaces, tail: Tail) -> float:

@@ -124,7 +124,7 @@ class Turning:
         is_urgent = is_large and not self.incumbent.controls
         flags = is_urgent, self.enough < float("inf"), is_large
         control = PriceControl(self.price, task.risk_bound, task.gap, rival, *flags)
-        self.successive.forget_all_but(self.groups)
+        self.successive.programs.forget_all_but(self.groups)
         begun = time.monotonic()
         begin = float("inf") if self.is_above or self.is_outside else self._take()
         control.begin(begin, paths.cost(), paths.state())

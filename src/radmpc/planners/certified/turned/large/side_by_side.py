@@ -20,10 +20,10 @@ from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import far_of, priced_margins
 from radmpc.planners.certified.turned.linear.warm_programs import Group
+from radmpc.planners.certified.turned.looks import unforeseen
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.unforeseen import unforeseen
 from radmpc.planners.executing import in_order
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass

@@ -1,4 +1,4 @@
-"""What paths came near once they were planned, and had no half-space between."""
+"""Looks at paths at hand: who keeps clear of everything, and what has no half-space between."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Tensor
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
@@ -14,11 +15,43 @@ from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.hazards import Hazards
+from radmpc.records import replace
 
-__all__ = ["unforeseen"]
+__all__ = ["keep_clear", "unforeseen"]
 
 _SURELY = 0.99
 """Share of a reach that paths may move by without another look [-]: rounding."""
+
+_TOGETHER = 32
+"""Vehicles that are looked at in one go [-]: of eight that takes a quarter of the time that one by
+one take, and of more than these arrays grow and nothing is gained."""
+
+
+def keep_clear(
+    hazards: Hazards, paths: Paths, vehicles: Sequence[int], near: Near
+) -> npt.NDArray[np.bool_]:
+    """Return which vehicles keep a clearance from everything, (N,); False of all others.
+
+    Parameters
+    ----------
+    hazards, paths : Hazards and Paths
+        The fleet, and everyone's paths.
+    vehicles : sequence of int
+        Vehicles that are asked for, ascending.
+    near : Near
+        The clearance, and what counts as near; one looks around as far as each vehicle reaches.
+    """
+    is_clear = np.zeros(hazards.count, dtype=bool)
+    for begin in range(0, len(vehicles), _TOGETHER):
+        group = list(vehicles[begin : begin + _TOGETHER])
+        near = replace(near, reach=float(hazards.reaches[group].max()))
+        spaces = half_spaces(hazards, paths, group, near)
+        is_tight = np.any(spaces.clearances < near.clearance, axis=1)
+        others = spaces.second[is_tight]
+        is_clear[group] = True
+        is_clear[spaces.first[is_tight]] = False
+        is_clear[others[others >= 0]] = False
+    return is_clear
 
 
 def unforeseen(

@@ -1,0 +1,1 @@
+"""Rows that programs of several sets of a fleet have in common."""
