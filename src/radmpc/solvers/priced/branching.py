@@ -137,11 +137,11 @@ class BranchingChoice:
         steps = self._steps.get((avoidance, outer))
         if steps is None:
             every = self._table[avoidance].tolist()
-            steps = self._steps[avoidance, outer] = [self._step_to(a, outer) for a in every]
+            steps = self._steps[avoidance, outer] = self._steps_to(every, outer)
         missed = short.tolist()
         # By what is missed alone: where two miss as much, the first stays first.
         order = sorted(range(len(missed)), key=missed.__getitem__)
-        found = dict.fromkeys(steps[k] for k in order if missed[k] < _INF)
+        found = dict.fromkeys([steps[k] for k in order if missed[k] < _INF])
         found.pop(-1, None)
         return tuple(found)
 
@@ -156,10 +156,16 @@ class BranchingChoice:
             The one more.
         """
         outer = self._outer[alternative]
-        return (*(c for c in chosen if c != outer), alternative)
+        if outer not in chosen:
+            return (*chosen, alternative)
+        return (*[c for c in chosen if c != outer], alternative)
 
-    def _step_to(self, alternative: int, outer: int) -> int:
-        """Return the next step from an alternative to one that it refines; -1 if it does not."""
-        while alternative >= 0 and self._outer[alternative] != outer:
-            alternative = self._outer[alternative]
-        return alternative
+    def _steps_to(self, alternatives: Sequence[int], outer: int) -> list[int]:
+        """Return the next steps from alternatives to one that these refine; -1 if they do not."""
+        steps, above = [], self._outer
+        for alternative in alternatives:
+            step = alternative
+            while step >= 0 and above[step] != outer:
+                step = above[step]
+            steps.append(step)
+        return steps
