@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -170,23 +170,6 @@ def test_a_large_round_just_above_the_bound_is_rescaled_by_what_the_referee_foun
     assert not all(stayed)
     # Most had risk to spare, and none of it was asked for.
     assert sum(stayed) > len(stayed) / 2
-
-
-def test_programs_that_workers_build_are_those_built_here():
-    scenario, limits = fleet(49, 0), Limits(float("inf"), never)
-    here, there, cut_off = (Fleet.of(scenario, GAP, limits).programs for _ in range(3))
-    with ThreadPoolExecutor(2) as pool:
-        assert here.build_alone(limits)
-        assert there.build_alone(limits, pool)
-        assert not cut_off.build_alone(Limits(deadline=0.0), pool)
-    assert there.least_costs() == here.least_costs()
-    for i in range(49):
-        ours, theirs = there.problem((i,)), here.problem((i,))
-        assert ours.members == theirs.members
-        for name in ("offsets", "deviations", "events"):
-            np.testing.assert_array_equal(
-                getattr(ours.program.rows, name), getattr(theirs.program.rows, name)
-            )
 
 
 def test_programs_of_sets_are_given_up_once_these_are_merged_and_no_others():

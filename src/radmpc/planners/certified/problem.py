@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -23,12 +23,9 @@ from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
-__all__ = ["Order", "SetProblem", "SetState", "advance", "build_problems"]
+__all__ = ["Order", "SetProblem", "SetState", "advance"]
 
 _TUNED = TUNING.sets
-
-SetArguments = tuple[Scenario, tuple[int, ...], Mapping[int, CondensedModel], float]
-"""A set's scenario, its members, their models by their numbers, and the unit; pickles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +57,7 @@ class SetProblem:
         cls,
         scenario: Scenario,
         members: tuple[int, ...],
-        models: Sequence[CondensedModel] | Mapping[int, CondensedModel],
+        models: Sequence[CondensedModel],
         unit: float,
         shared: SharedBlocks | None = None,
     ) -> SetProblem:
@@ -72,8 +69,8 @@ class SetProblem:
             These vehicles alone.
         members : tuple of int
             Their numbers in the fleet, ascending.
-        models : sequence or mapping of CondensedModel
-            Those of the whole fleet, or theirs by their numbers.
+        models : sequence of CondensedModel
+            Those of the whole fleet.
         unit : float
             The fleet's unit of risk [-], see `radmpc.planners.certified.fleet`.
         shared : SharedBlocks or None
@@ -110,19 +107,6 @@ class SetProblem:
         outputs = (program.outputs @ z + program.constant)[: program.num_positions]
         shape = self.models[0].drift_position.shape
         return np.asarray(outputs.reshape(len(self.members), *shape))
-
-
-def build_problems(asked: Sequence[SetArguments], limits: Limits) -> list[SetProblem]:
-    """Build the programs of some sets in any process, those first named until a limit.
-
-    Parameters
-    ----------
-    asked : sequence of tuple
-        What `SetProblem.of` takes for each.
-    limits : Limits
-        When to stop early.
-    """
-    return [SetProblem.of(*one) for one in asked if not limits.reached]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

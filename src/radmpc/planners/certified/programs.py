@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor
 
 import numpy as np
 
@@ -12,9 +11,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_sets
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.nearby import Surroundings
-from radmpc.planners.certified.problem import SetProblem, build_problems
-from radmpc.planners.certified.tuning import TUNING
-from radmpc.planners.executing import run_elsewhere
+from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.least_effort import least_effort
 from radmpc.program.build import SharedBlocks, controls_of
 from radmpc.program.hazards import Hazards
@@ -22,9 +19,6 @@ from radmpc.solvers.solution import Limits
 from radmpc.system.memory import hand_back_freed
 
 __all__ = ["SetPrograms"]
-
-_CHUNKS = 16
-"""Parts that vehicles' programs are handed out in [-]: each worth sending, enough to share."""
 
 
 class SetPrograms:
@@ -86,11 +80,6 @@ class SetPrograms:
         """Tell whether a set's program is there."""
         return members in self._problems
 
-    def take(self, problem: SetProblem) -> None:
-        """Keep a set's program that was built elsewhere."""
-        self._forget_parts(problem.members)
-        self._keep(problem)
-
     def _keep(self, problem: SetProblem) -> None:
         """Keep a set's program, known by each of its members."""
         self._problems[problem.members] = problem
@@ -113,34 +102,19 @@ class SetPrograms:
             for i in part:
                 self._sets_of[i].discard(part)
 
-    def build_alone(self, limits: Limits, executor: Executor | None = None) -> bool:
+    def build_alone(self, limits: Limits) -> bool:
         """Build every vehicle's own program, until a limit; return whether all are built.
 
         Parameters
         ----------
         limits : Limits
             When to stop.
-        executor : Executor or None
-            Where those of a large fleet are built; None is here.
         """
-        is_large = self.scenario.num_vehicles > TUNING.sets.many
-        if executor is not None and is_large and not self.is_costless:
-            self._build_elsewhere(limits, executor)
         for i in range(self.scenario.num_vehicles):
             if limits.reached:
                 return False
             self.problem((i,))
         return True
-
-    def _build_elsewhere(self, limits: Limits, executor: Executor) -> None:
-        """Build vehicles' own programs on an executor, as far as it answers."""
-        count = self.scenario.num_vehicles
-        every = [(self.alone((i,)), (i,), {i: self.models[i]}, self.unit) for i in range(count)]
-        size = max(1, -(-count // _CHUNKS))
-        chunks = [every[begin : begin + size] for begin in range(0, count, size)]
-        found = run_elsewhere(build_problems, chunks, limits, executor, lambda done, total: None)
-        for problem in (one for built in found for one in built or ()):
-            self._keep(problem)
 
     def least_cost(self, i: int) -> float:
         """Return what a vehicle costs at least in empty space; 0 where it cannot reach its goal."""

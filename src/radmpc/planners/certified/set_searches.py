@@ -13,7 +13,6 @@ from radmpc.planners.certified.state.bounds import reported_bound
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
-from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
@@ -25,12 +24,13 @@ _TUNED = TUNING.sets
 _CHUNKS = 16
 """Parts that a round's small sets are handed out in [-]: each worth sending, enough to share."""
 
+_SHORT = 60
+"""Avoidances up to which a set is always searched here [-]: those of `fleet(1000)` with as many
+take 0.3 ms, if they are of one vehicle, and 0.6 of two; their programs are 60 and 120 kB."""
+
 _SMALL = 2
 """Vehicles of the largest sets that are handed out together [-]."""
 
-
-SetAnswer = tuple[SetState, SetProblem | None]
-"""How far the search of a set came, and its program where it was built for it."""
 
 _Parts = Mapping[int, Sequence[tuple[Members, float]]]
 """Sets with lower bounds on their values at some price, by their first vehicles."""
@@ -44,13 +44,10 @@ class SetSearch:
     ----------
     members : tuple of int
         The vehicles.
-    problem : SetProblem or None
-        The set's program: to send it takes a tenth of the time of building it anew. None where it
-        is not built yet.
+    problem : SetProblem
+        The set's program: to send it takes a tenth of the time of building it anew.
     scenario : Scenario
         These vehicles alone, with what they may meet.
-    models : mapping of int to CondensedModel
-        Theirs, by their numbers, where the program is to be built.
     state : SetState or None
         How far the search has come.
     order : Order
@@ -58,18 +55,19 @@ class SetSearch:
     """
 
     members: Members
-    problem: SetProblem | None
+    problem: SetProblem
     scenario: Scenario
-    models: Mapping[int, CondensedModel]
     state: SetState | None
     order: Order
 
-    def run(self, limits: Limits) -> SetAnswer:
-        """Search the set; return how far that came, and the program if it was built for it."""
-        if self.problem is not None:
-            return advance(self.problem, self.scenario, self.state, self.order, limits), None
-        made = SetProblem.of(self.scenario, self.members, self.models, self.order.unit)
-        return advance(made, self.scenario, self.state, self.order, limits), made
+    @property
+    def is_short(self) -> bool:
+        """Whether searching it mostly takes less than sending it."""
+        return self.problem.program.num_avoidances <= _SHORT
+
+    def run(self, limits: Limits) -> SetState:
+        """Search the set; return how far that came."""
+        return advance(self.problem, self.scenario, self.state, self.order, limits)
 
 
 def solve_sets(
@@ -114,24 +112,13 @@ def solve_sets(
     for members in sets:
         order = _order(fleet, state, members, unit_price, effort, parts, is_rough=is_rough)
         if order is not None:
-            searches.append(_search(fleet, members, state.set_states.get(members), order))
+            # Rows of vehicles and pairs are known here: a worker would take five times as long.
+            problem, known = fleet.programs.problem(members), state.set_states.get(members)
+            alone = fleet.programs.alone(members)
+            searches.append(SetSearch(members, problem, alone, known, order))
     found = search_sets(searches, fleet.limits, fleet.executor, tell)
-    new = {}
-    for search, (one, made) in zip(searches, found, strict=True):
-        new[search.members] = one
-        if made is not None:
-            fleet.programs.take(made)
+    new = {search.members: one for search, one in zip(searches, found, strict=True)}
     return replace(state, set_states={**state.set_states, **new})
-
-
-def _search(fleet: Fleet, members: Members, state: SetState | None, order: Order) -> SetSearch:
-    """Return the search of a set, its program left to be built by who searches it, if possible."""
-    programs, models = fleet.programs, {}
-    if fleet.executor is None or programs.is_costless or programs.is_built(members):
-        problem = programs.problem(members)
-    else:
-        problem, models = None, {i: programs.models[i] for i in members}
-    return SetSearch(members, problem, programs.alone(members), models, state, order)
 
 
 def _order(
@@ -214,7 +201,7 @@ def search_sets(
     limits: Limits,
     executor: Executor | None,
     progress: Callable[[int, int], None],
-) -> list[SetAnswer]:
+) -> list[SetState]:
     """Search sets that have no vehicle in common.
 
     Parameters
@@ -224,25 +211,34 @@ def search_sets(
     limits : Limits
         When to stop early.
     executor : Executor or None
-        None searches here. What a worker that died took with it is searched here, too.
+        None searches here. Short searches are always done here, and what a worker that died took
+        with it.
     progress : callable
         Told how many sets are done, of how many.
 
     Returns
     -------
-    list of (SetState, SetProblem or None)
-        In the order of the searches, with the programs that were built for them.
+    list of SetState
+        In the order of the searches.
     """
-    if executor is None or len(searches) < 2:
+    long = [number for number, search in enumerate(searches) if not search.is_short]
+    if executor is None or len(long) < 2:
         return _searched_here(searches, limits, progress)
-    tasks = _shared_out([len(search.members) for search in searches])
-    chunks = [tuple(searches[i] for i in numbers) for numbers in tasks]
-    answers = run_elsewhere(_search_in_turn, chunks, limits, executor, progress)
-    states: dict[int, SetAnswer] = {}
+    shares = _shared_out([len(searches[number].members) for number in long])
+    tasks = [[long[place] for place in places] for places in shares]
+    chunks = [tuple(searches[number] for number in numbers) for numbers in tasks]
+    states: dict[int, SetState] = {}
+
+    def search_short() -> None:
+        for number, search in enumerate(searches):
+            if search.is_short:
+                states[number] = search.run(limits)
+
+    answers = run_elsewhere(_search_in_turn, chunks, limits, executor, progress, search_short)
     for numbers, chunk, answer in zip(tasks, chunks, answers, strict=True):
         found = _searched_here(chunk, limits, progress) if answer is None else answer
         states |= zip(numbers, found, strict=True)
-    return [states[i] for i in range(len(searches))]
+    return [states[number] for number in range(len(searches))]
 
 
 def _shared_out(sizes: Sequence[int]) -> list[list[int]]:
@@ -259,15 +255,15 @@ def _shared_out(sizes: Sequence[int]) -> list[list[int]]:
 
 def _searched_here(
     searches: Sequence[SetSearch], limits: Limits, progress: Callable[[int, int], None]
-) -> list[SetAnswer]:
+) -> list[SetState]:
     """Search sets in this process."""
-    found: list[SetAnswer] = []
+    found: list[SetState] = []
     for search in searches:
         found.append(search.run(limits))
         progress(len(found), len(searches))
     return found
 
 
-def _search_in_turn(searches: Sequence[SetSearch], limits: Limits) -> list[SetAnswer]:
+def _search_in_turn(searches: Sequence[SetSearch], limits: Limits) -> list[SetState]:
     """Search sets in a worker."""
     return _searched_here(searches, limits, lambda done, total: None)

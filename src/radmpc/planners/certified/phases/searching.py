@@ -131,7 +131,7 @@ def searched(
         begin = _begin_with(first, scenario, begin, run.limits)
         search = PriceSearch.of(fleet.with_limits(begin), run.judge, first.cost)
         fleet = search.fleet
-    if not fleet.programs.build_alone(run.limits, run.executor):
+    if not fleet.programs.build_alone(run.limits):
         return replace(_cut_off(search, state, first, run.limits), on_any=on_any, proven=proven)
     if not is_tight and first.controls:
         first, is_dear = _cheaper_first(fleet, first, run)
