@@ -18,7 +18,7 @@ from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel, PredictionMatrices, condense
-from radmpc.program.keepout import KeepOut, obstacle_keepouts
+from radmpc.program.keepout import KeepOut, KeepOuts, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.sharing.contribution import Contribution
 from radmpc.records import replace
@@ -142,6 +142,7 @@ class SharedBlocks:
 
     def __init__(self) -> None:
         self._known: dict[tuple[str, ...], Contribution] = {}
+        self._keepouts = KeepOuts()
 
     def add_to(self, builder: ProgramBuilder) -> None:
         """Add what vehicles avoid to the program of a set.
@@ -154,7 +155,7 @@ class SharedBlocks:
         """
         everyone = range(len(builder.models))
         if len(everyone) == 1:
-            self._known[_names_of(builder.models)] = _made(builder)
+            self._known[_names_of(builder.models)] = self._made(builder)
             return
         for places in (*((i,) for i in everyone), *combinations(everyone, 2)):
             self._of(builder, places).add_to(builder, places)
@@ -162,28 +163,30 @@ class SharedBlocks:
     def clear(self) -> None:
         """Give up all rows, to be made anew."""
         self._known.clear()
+        self._keepouts = KeepOuts()
 
     def _of(self, builder: ProgramBuilder, places: tuple[int, ...]) -> Contribution:
         """Return what a vehicle or a pair contributes, made where it is not known."""
         models = tuple(builder.models[i] for i in places)
         names = _names_of(models)
         if names not in self._known:
-            self._known[names] = _made(ProgramBuilder(builder.scenario, models, 0))
+            self._known[names] = self._made(ProgramBuilder(builder.scenario, models, 0))
         return self._known[names]
+
+    def _made(self, builder: ProgramBuilder) -> Contribution:
+        """Return what one vehicle or one pair contributes, collected by a builder of these."""
+        if len(builder.models) == 2:
+            builder.keep_apart(0, 1)
+            return Contribution.of(builder)
+        scenario, horizon = builder.scenario, builder.models[0].horizon
+        found = self._keepouts.of(scenario.obstacles, horizon, intervals=builder.intervals)
+        _avoid_alone(builder, 0, list(found))
+        return Contribution.of(builder)
 
 
 def _names_of(models: Sequence[CondensedModel]) -> tuple[str, ...]:
     """Return the names of vehicles, by which rows of theirs are known."""
     return tuple(model.vehicle.name for model in models)
-
-
-def _made(builder: ProgramBuilder) -> Contribution:
-    """Return what one vehicle or one pair contributes, collected by a builder of these alone."""
-    if len(builder.models) == 1:
-        _avoid_alone(builder, 0, _of_obstacles(builder.scenario, 0, builder.models[0].horizon))
-    else:
-        builder.keep_apart(0, 1)
-    return Contribution.of(builder)
 
 
 def controls_of(models: Sequence[CondensedModel], z: Vector) -> list[Matrix]:

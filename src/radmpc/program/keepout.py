@@ -6,7 +6,7 @@ With avoidance at the steps window j is step j+1 of the program. With intervals 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -17,7 +17,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.obstacle_track import TrackSpread
 from radmpc.records import dataclass, replace
 
-__all__ = ["KeepOut", "obstacle_keepouts", "swept_keepout"]
+__all__ = ["KeepOut", "KeepOuts", "obstacle_keepouts", "swept_keepout"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,6 +110,31 @@ def obstacle_keepouts(
         spread = None if obstacle.spread is None else obstacle.spread.since(first_step, horizon)
         return [replace(found, shapes=tuple(pieces), spread=spread)]
     return [_standing_keepout(obstacle.name, piece, horizon) for piece in obstacle.at(0)]
+
+
+class KeepOuts:
+    """The keep-outs of a fleet's obstacles from step 0 on, made once for all who meet them."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[str, int, bool], list[KeepOut]] = {}
+
+    def of(
+        self, obstacles: Iterable[Obstacle], horizon: int, *, intervals: bool
+    ) -> Iterator[KeepOut]:
+        """Return those of some obstacles, one after the other.
+
+        Parameters
+        ----------
+        obstacles : iterable of Obstacle
+            Names tell them apart.
+        horizon, intervals
+            As in `obstacle_keepouts`.
+        """
+        for obstacle in obstacles:
+            key = obstacle.name, horizon, intervals
+            if key not in self._known:
+                self._known[key] = obstacle_keepouts(obstacle, 0, horizon, intervals=intervals)
+            yield from self._known[key]
 
 
 def swept_keepout(name: str, pieces: Sequence[Polytope], start: Polytope | None = None) -> KeepOut:

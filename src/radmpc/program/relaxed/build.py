@@ -13,7 +13,6 @@ from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.keepout import obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.cones import Cones
 from radmpc.program.relaxed.cones_in_space import cones_in_space
@@ -279,10 +278,9 @@ class _Relaxation:
     def _outlines(self) -> list[Found]:
         """Return the corners and faces of all obstacles' pieces at the instants."""
         if self.outlines is None:
-            horizon, sample = self.scenario.horizon, self._instants(0)
+            asked, sample = (self.scenario.obstacles, self.scenario.horizon), self._instants(0)
             self.outlines = [
                 seen_at(sample, keepout)
-                for obstacle in self.scenario.obstacles
-                for keepout in obstacle_keepouts(obstacle, 0, horizon, intervals=self.intervals)
+                for keepout in self.shared.keepouts.of(*asked, intervals=self.intervals)
             ]
         return self.outlines

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor
+from radmpc.program.keepout import KeepOuts
 from radmpc.program.relaxed.cones import Cones, cones_around
 from radmpc.program.relaxed.instants import Instants
 from radmpc.program.relaxed.level_curves import Outline
@@ -36,6 +37,7 @@ class SharedCones:
     """
 
     def __init__(self, *, keeps_rows: bool = False) -> None:
+        self.keepouts = KeepOuts()
         self._keeps_rows = keeps_rows
         self._known: dict[_Hazard, Cones] = {}
         self._seen: set[_Hazard] = set()
@@ -102,6 +104,7 @@ class SharedRows:
     ) -> None:
         self.hazards = hazards
         self._cones = SharedCones() if cones is None else cones
+        self.keepouts = self._cones.keepouts
         self._rows: dict[tuple[object, ...], ConeRows] = {}
 
     def around(
