@@ -176,17 +176,17 @@ def _until(
 ) -> Answer:
     """Do a task until a time of the wall clock, or until a file appears."""
     left = max(0.0, deadline - time.time())
-    return work(task, Limits(time.monotonic() + left, _Appeared(Path(flag)).told))
+    return work(task, Limits(time.monotonic() + left, _Appearance(Path(flag)).has_come))
 
 
-class _Appeared:
+class _Appearance:
     """Whether a file is there, looked for now and then: searches ask at every node."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._looked = path, -_POLL_SECONDS
         self._is_there = False
 
-    def told(self) -> bool:
+    def has_come(self) -> bool:
         """Tell whether it was there when it was looked for last."""
         now = time.monotonic()
         if now >= self._looked + _POLL_SECONDS:
