@@ -41,12 +41,15 @@ class Encounter:
         How far the mean path hangs off its chord at mid-step [m].
     supports : callable
         Of what is avoided, grown by the vehicle's radius.
+    is_isotropic : bool
+        Whether the position deviates alike in all directions.
     """
 
     ends: tuple[Tensor, ...]
     covariances: tuple[tuple[Tensor, ...], ...]
     sagittas: Tensor
     supports: Supports
+    is_isotropic: bool = False
 
     def clearances(self, normals: Tensor) -> Vector:
         """Return the least clearance of both ends along normals, at the best share, (w, c)."""
@@ -73,8 +76,12 @@ class Encounter:
         """Return the largest standard deviation along normals at each end, (w, c) each [m]."""
         found = []
         for events in self.covariances:
-            variances = [_variances(normals, each) for each in events]
-            found.append(np.sqrt(np.maximum(np.maximum.reduce(variances), 0.0)))
+            if self.is_isotropic:
+                variances = [each[:, 0, :1] for each in events]
+            else:
+                variances = [_variances(normals, each) for each in events]
+            deviations = np.sqrt(np.maximum(np.maximum.reduce(variances), 0.0))
+            found.append(np.broadcast_to(deviations, normals.shape[:2]))
         return found
 
     def _rated(

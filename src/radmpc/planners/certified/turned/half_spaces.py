@@ -194,6 +194,7 @@ def _around(
             noise_of(hazards, window, first, None, piece),
             paths.sagittas[first, window],
             supports,
+            hazards.is_isotropic,
         )
 
     faces, moved = shapes.faces[piece, window], None
@@ -259,6 +260,7 @@ def _before_faces(
         noise_of(hazards, window, first, second),
         hang[place, window],
         supports,
+        hazards.is_isotropic,
     )
     keys = (numbers[place] + face) * hazards.horizon + window
     others = np.full(first.size, -1) if second is None else second

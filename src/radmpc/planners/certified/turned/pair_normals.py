@@ -126,6 +126,7 @@ def pair_encounter(
         noise_of(hazards, window, first, second),
         paths.sagittas[first, window] - paths.sagittas[second, window],
         supports,
+        hazards.is_isotropic,
     )
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor
-from radmpc.nearby import near_pairs
+from radmpc.nearby import near_pairs_ever
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
@@ -38,7 +38,7 @@ class Paths:
     means : (N, T+1, d) array
         Mean positions [m]; of a reference without controls, where one was set.
     sagittas : (N, T, d) array
-        How far each path hangs off its chords at mid-step [m].
+        How far each path hangs off its chords at mid-step [m]; 0 where steps alone count.
     """
 
     def __init__(self, hazards: Hazards) -> None:
@@ -64,7 +64,8 @@ class Paths:
         model = self._models[vehicle]
         self.controls[vehicle] = controls
         self.means[vehicle] = model.path(controls)
-        self.sagittas[vehicle] = controls @ model.vehicle.system.sagitta.T
+        if self._hazards.intervals:
+            self.sagittas[vehicle] = controls @ model.vehicle.system.sagitta.T
 
     def refer(self, vehicle: int, positions: Matrix) -> None:
         """Give a vehicle a path to turn half-spaces to, whether or not any controls follow it.
@@ -110,10 +111,7 @@ class Paths:
         steps = np.linalg.norm(np.diff(self.means, axis=1), axis=2).max(initial=0.0)
         spread = np.sqrt(2.0 * hazards.variances.max(initial=0.0))
         distance = float(2.0 * hazards.radii.max() + clearance * spread + reach + steps)
-        found = [near_pairs(self.means[:, k], distance) for k in range(self.means.shape[1])]
-        pairs = np.concatenate(found)
-        numbers = np.unique(pairs[:, 0] * hazards.count + pairs[:, 1])
-        one, two = np.divmod(numbers, hazards.count)
+        one, two = near_pairs_ever(self.means, np.full(self.means.shape[1], distance)).T
         return one, two
 
     def cost(self) -> float:
