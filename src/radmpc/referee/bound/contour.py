@@ -64,6 +64,8 @@ _MIDDLE, _HALF, _VALUE, _SLACK, _ERROR, _PEAK, _SIZE = range(7)
 class _Pieces:
     """Pieces of elements and what is known of their integrals: within value ± slack.
 
+    Those that slack leaves loose are rated before they are integrated.
+
     The rows of `numbers` are `_MIDDLE`, `_HALF`, `_VALUE`, `_SLACK`, `_ERROR`, `_PEAK`, `_SIZE`,
     then those of `Local` at the middle: one array is chosen from and joined at once.
     """
@@ -75,11 +77,12 @@ class _Pieces:
 
     @classmethod
     def cut(cls, outlines: Outlines, element: Indices, begin: Vector, end: Vector) -> Self:
-        """Return pieces of elements, not integrated yet."""
+        """Return pieces of elements, not integrated yet, nor with the error of the rule."""
         middle, half = 0.5 * (begin + end), 0.5 * (end - begin)
         local = outlines.expand(element, middle)
         peak, size = local.largest(half)
-        own = [middle, half, 0.0 * half, size, local.rule_error(half), peak, size]
+        nothing = np.zeros_like(half)
+        own = [middle, half, nothing, size, nothing, peak, size]
         numbers = np.concatenate([own, local.numbers])
         return cls(element, local.curved, np.ones(len(half), dtype=bool), numbers)
 
@@ -89,6 +92,16 @@ class _Pieces:
         ends = middle + half * np.linspace(-1.0, 1.0, count + 1)[:, None]
         element = np.tile(self.element, count)
         return type(self).cut(outlines, element, ends[:-1].ravel(), ends[1:].ravel())
+
+    def rated(self) -> Self:
+        """Return the same with bounds on the error of the rule.
+
+        Four of five pieces are so small that none is asked for, and they take as long as the rest.
+        """
+        numbers = self.numbers.copy()
+        local = Local(numbers[_SIZE + 1 :], self.curved)
+        numbers[_ERROR] = local.rule_error(numbers[_HALF])
+        return type(self)(self.element, self.curved, self.fresh, numbers)
 
     def integrated(self) -> Self:
         """Return the same with their integrals."""
@@ -143,12 +156,12 @@ def enclosed(
         loose = pieces.numbers[_SLACK] > allowed[site]
         if not loose.any():
             break
-        kept, poor = pieces.take(~loose), pieces.take(loose)
+        kept, poor = pieces.take(~loose), pieces.take(loose).rated()
         ready = poor.fresh & _promising(poor, allowed[site[loose]])
         is_quick = halvings >= 3 and np.sum(~ready) <= _FEW_PIECES
         count, taken = (_MANY_PARTS, 3) if is_quick else (2, 1)
         parts, halvings = poor.take(~ready).parted(outlines, count), halvings - taken
-        limit = allowed[outlines.site[parts.element]]
+        parts, limit = parts.rated(), allowed[outlines.site[parts.element]]
         soon = (parts.numbers[_SLACK] > limit) & _promising(parts, limit)
         whole = poor.take(ready).joined(parts.take(soon)).integrated()
         pieces = kept.joined(parts.take(~soon), whole)
