@@ -59,14 +59,16 @@ def test_what_was_given_up_is_made_anew() -> None:
 def test_obstacles_that_a_vehicle_cannot_meet_add_no_rows_of_its_own() -> None:
     scenario, shared = clutter(3, 40, 1), SharedBlocks()
     models = condensed_models(scenario)
-    surroundings = Surroundings(scenario, models)
+    surroundings = Surroundings.of(scenario, models)
     for members in ((0,), (1,), (0, 1)):
-        met = surroundings.of(members)
+        met = surroundings.scenario_of(members)
         chosen = [models[i] for i in members]
         build_program(met, chosen, risk_bound=met.risk_bound, shared=shared)
-    both = surroundings.of((0, 1))
+    both = surroundings.scenario_of((0, 1))
     program = build_program(both, models[:2], risk_bound=both.risk_bound, shared=shared)
-    met_by = [{obstacle.name for obstacle in surroundings.of((i,)).obstacles} for i in range(2)]
+    met_by = [
+        {obstacle.name for obstacle in surroundings.scenario_of((i,)).obstacles} for i in range(2)
+    ]
     names = [scenario.vehicles[i].name for i in range(2)]
     for item in program.avoidances:
         if item.cause == "obstacle":

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import field_names, unchecked
 from radmpc.gaussian import Tail
@@ -12,6 +13,7 @@ from radmpc.model.relations.concerns import concerned
 from radmpc.model.relations.subset import kept_and_met
 from radmpc.model.scenario import Scenario
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import dataclass
 
 __all__ = ["Surroundings"]
 
@@ -19,19 +21,32 @@ _FAR = 9.0
 """Standard deviations beyond which an obstacle is out of reach (1e-19)."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
 class Surroundings:
-    """Boxes of all obstacles over the horizon, against vehicles' reach.
+    """A scenario, and which vehicles can ever meet which of its obstacles.
 
-    Parameters
+    Attributes
     ----------
     scenario : Scenario
-        The fleet.
-    models : sequence of CondensedModel
-        Those of all its vehicles.
+        N vehicles and O obstacles.
+    near : (N, O) bool array
+        Whether an obstacle may come into a vehicle's reach.
     """
 
-    def __init__(self, scenario: Scenario, models: Sequence[CondensedModel]) -> None:
-        self._scenario = scenario
+    scenario: Scenario
+    near: npt.NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, scenario: Scenario, models: Sequence[CondensedModel]) -> Surroundings:
+        """Look at boxes of all obstacles over the horizon, against vehicles' reach.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            The fleet.
+        models : sequence of CondensedModel
+            Those of all its vehicles.
+        """
         d = scenario.dimension
         lower = np.empty((len(scenario.obstacles), d))
         upper = np.empty((len(scenario.obstacles), d))
@@ -58,16 +73,20 @@ class Surroundings:
             sagitta = np.abs(model.vehicle.system.sagitta) @ largest
             near[j] = np.all((lower <= high + sagitta) & (upper >= low - sagitta), axis=1)
         mine = concerned(scenario.obstacles, [model.vehicle.name for model in models])
-        self._near = near if mine is None else near & mine
+        return cls(scenario, near if mine is None else near & mine)
 
-    def of(self, members: tuple[int, ...]) -> Scenario:
+    def scenario_of(self, members: tuple[int, ...]) -> Scenario:
         """Return the scenario of some vehicles and the obstacles they may meet."""
-        whole = self._scenario
-        near = np.flatnonzero(self._near[list(members)].any(axis=0))
+        return self.among(members).scenario
+
+    def among(self, members: tuple[int, ...]) -> Surroundings:
+        """Return the surroundings of some vehicles."""
+        whole, near = self.scenario, self.near[list(members)]
+        met = np.flatnonzero(near.any(axis=0))
         vehicles = tuple(whole.vehicles[i] for i in members)
-        keep, met = kept_and_met(vehicles, whole.keep, (whole.obstacles[i] for i in near.tolist()))
-        changed: dict[str, object] = {"vehicles": vehicles, "keep": keep, "obstacles": met}
+        keep, some = kept_and_met(vehicles, whole.keep, (whole.obstacles[i] for i in met.tolist()))
+        changed: dict[str, object] = {"vehicles": vehicles, "keep": keep, "obstacles": some}
         # What fits the whole fits its parts.
         values = (changed.get(name, getattr(whole, name)) for name in field_names(Scenario))
         part: Scenario = unchecked(Scenario, *values)
-        return part
+        return Surroundings(part, near[:, met])

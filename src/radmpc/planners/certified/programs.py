@@ -55,11 +55,11 @@ class SetPrograms:
         self.hazards = hazards
         self.models = hazards.models
         self.covariances = hazards.covariances
-        self.surroundings = Surroundings(scenario, self.models)
+        self.surroundings = Surroundings.of(scenario, self.models)
         self._shared = SharedBlocks()
         self._problems: dict[Members, SetProblem] = {}
         self._sets_of: dict[int, set[Members]] = {}
-        self._alone: dict[Members, Scenario] = {}
+        self._alone: dict[Members, Surroundings] = {}
         self._least_costs: dict[int, float] = {}
         self._least_of_all: tuple[float, ...] = ()
         self._motions: dict[Members, tuple[Vector, Tensor, Tensor]] = {}
@@ -132,8 +132,12 @@ class SetPrograms:
 
     def alone(self, members: Members) -> Scenario:
         """Return a set's scenario: its vehicles with the obstacles that these may hit."""
+        return self.surroundings_of(members).scenario
+
+    def surroundings_of(self, members: Members) -> Surroundings:
+        """Return what a set may meet, and who of it."""
         if members not in self._alone:
-            self._alone[members] = self.surroundings.of(members)
+            self._alone[members] = self.surroundings.among(members)
         return self._alone[members]
 
     def assembled(self, members: Members, parts: Mapping[int, Vector]) -> Vector:

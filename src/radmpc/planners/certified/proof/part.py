@@ -11,6 +11,7 @@ from radmpc.gaussian import Tail
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.proof.grouping import most_fewer
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.symmetry import symmetries
@@ -40,7 +41,7 @@ class Part:
     ----------
     members : tuple of int
         The vehicles, ascending.
-    scenario : Scenario
+    surroundings : Surroundings
         These vehicles alone, with what they may meet.
     models : tuple of CondensedModel
         Theirs.
@@ -63,7 +64,7 @@ class Part:
     """
 
     members: Members
-    scenario: Scenario
+    surroundings: Surroundings
     models: tuple[CondensedModel, ...]
     is_narrowed: bool
     base: tuple[float, ...]
@@ -90,12 +91,13 @@ class Part:
         tails : Tails or None
             As in `Part`.
         """
-        scenario = fleet.programs.alone(members)
+        surroundings = fleet.programs.surroundings_of(members)
+        scenario = surroundings.scenario
         models = tuple(fleet.programs.models[i] for i in members)
         is_climbed = len(members) >= TUNING.least_climbed
         return cls(
             members,
-            scenario,
+            surroundings,
             models,
             len(scenario.obstacles) >= TUNING.many_obstacles,
             tuple(fleet.base[i] for i in members),
@@ -104,6 +106,11 @@ class Part:
             tails,
             symmetries=symmetries(scenario, models) if is_climbed else (),
         )
+
+    @property
+    def scenario(self) -> Scenario:
+        """These vehicles alone, with what they may meet."""
+        return self.surroundings.scenario
 
     def paid_for_hazards(self, blocks: Members) -> float:
         """Return what the plan of some vehicles, by their places, costs beyond the least."""

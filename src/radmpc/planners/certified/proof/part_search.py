@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from radmpc.arrays import Tensor
 from radmpc.planners.certified.merging import Members
-from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.proof.fewer import Fewer
 from radmpc.planners.certified.proof.grouping import surplus
 from radmpc.planners.certified.proof.part import Part, PartAnswer, PartOrder, PartTask
@@ -80,7 +79,6 @@ class _PartSearch:
     shared: SharedRows
     blocks: SharedBlocks = field(default_factory=SharedBlocks)
     nodes: int = 0
-    surroundings: Surroundings | None = None
     near: NDArray[np.bool_] | None = None
     visited: set[Members] = field(default_factory=set)
 
@@ -259,9 +257,7 @@ class _PartSearch:
             ]
         scenario = part.scenario
         if len(blocks) < len(part.members):
-            if self.surroundings is None:
-                self.surroundings = Surroundings(part.scenario, part.models)
-            scenario = self.surroundings.of(blocks)
+            scenario = part.surroundings.scenario_of(blocks)
         if part.tails is None:
             shared = None if part.is_narrowed else self.blocks
             return RelaxedSet.by_faces(scenario, models, base, most, shared)
