@@ -24,7 +24,10 @@ SCENES = {
     "pairs and obstacles at steps": paper(3, 0),
     "along intervals": replace(paper(3, 1), avoidance="intervals"),
     "among boxes": clutter(1, 20, 0),
-    "covariances from six samples": replace(paper(3, 2), covariance_samples=6),
+    **{
+        f"covariances from {count} samples": replace(paper(3, 2), covariance_samples=count)
+        for count in (3, 6, 40, 1000)
+    },
     "no noise": replace(
         paper(2, 0),
         vehicles=tuple(
