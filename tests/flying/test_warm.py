@@ -21,7 +21,7 @@ from radmpc.flying.warm.search import Try, WarmSearch
 from radmpc.model.dynamics import lqr_gain
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.turned import unforeseen
+from radmpc.planners.certified.turned import looks
 from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.margins import fixed_margins
@@ -109,16 +109,16 @@ def test_paths_that_hardly_moved_need_no_second_look(
 ) -> None:
     left = left_of(plan.scenario, 1, pushed(plan, 1, 3), 0.02)
     asked = Try(left, tuple(path.controls[1:] for path in plan.trajectories), False, never)
-    found, looks = [], []
-    right = unforeseen.half_spaces
-    monkeypatch.setattr(unforeseen, "half_spaces", lambda *a: looks.append(len(found)) or right(*a))
-    for surely in (unforeseen._SURELY, 0.0):
-        monkeypatch.setattr(unforeseen, "_SURELY", surely)
+    found, seen = [], []
+    right = looks.half_spaces
+    monkeypatch.setattr(looks, "half_spaces", lambda *a: seen.append(len(found)) or right(*a))
+    for surely in (looks._SURELY, 0.0):
+        monkeypatch.setattr(looks, "_SURELY", surely)
         search = WarmSearch(plan.scenario)
         answer = [search.search(asked) for _ in range(2)][-1]
         assert answer is not None
         found.append(answer[0])
-    assert looks.count(0) < looks.count(1)
+    assert seen.count(0) < seen.count(1)
     for ours, theirs in zip(*found, strict=True):
         np.testing.assert_array_equal(ours, theirs)
 
