@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from radmpc.arrays import Indices, Matrix
 from radmpc.model.plan import LedgerRow
@@ -22,12 +22,12 @@ class Verdict:
     ----------
     certified : float
         Upper bound on the probability of any collision [-].
-    ledger : tuple of LedgerRow
+    ledger : iterable of LedgerRow
         Where it goes; empty where the plan cannot be judged.
     """
 
     certified: float
-    ledger: tuple[LedgerRow, ...]
+    ledger: Iterable[LedgerRow]
 
     def across(self, owners: Indices, numbers: Mapping[str, int]) -> dict[tuple[int, int], float]:
         """Return the risk of every pair of vehicles of different sets, lower number first.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -126,16 +127,20 @@ def far_from_boxes(
     """
     if not boxes:
         return
-    lowest = np.array([lower.min(axis=0) for lower, _ in boxes])
-    highest = np.array([upper.max(axis=0) for _, upper in boxes])
+    shape = balls.centers.shape[1:]
+    lower, upper = (
+        np.array([np.broadcast_to(c, shape) for c in each]) for each in zip(*boxes, strict=True)
+    )
     # Most vehicles never come near most boxes.
-    for (lower, upper), far in zip(boxes, _apart(balls, lowest, highest), strict=True):
-        some = np.flatnonzero(~far)
-        if some.size:
-            centers, reaches = balls.centers[some], balls.reaches[some, :, None]
-            beside = (centers - reaches >= upper) | (centers + reaches <= lower)
-            far[some] = np.all(np.any(beside, axis=2), axis=1)
-        yield far
+    far = _apart(balls, lower.min(axis=1), upper.max(axis=1))
+    box, who = np.nonzero(~far)
+    size = max(1, _AT_ONCE // math.prod(shape))
+    for begin in range(0, box.size, size):
+        b, i = box[begin : begin + size], who[begin : begin + size]
+        centers, reaches = balls.centers[i], balls.reaches[i, :, None]
+        beside = (centers - reaches >= upper[b]) | (centers + reaches <= lower[b])
+        far[b, i] = np.all(np.any(beside, axis=2), axis=1)
+    yield from far
 
 
 def _apart(balls: Balls, lower: Matrix, upper: Matrix) -> npt.NDArray[np.bool_]:

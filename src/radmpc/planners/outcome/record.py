@@ -65,8 +65,8 @@ class Certifying:
         plan : Plan
             With trajectories.
         """
-        ledger = self.verdict(tuple(t.controls for t in plan.trajectories)).ledger
-        return judged(plan, self._noise, ledger)
+        verdict = self.verdict(tuple(t.controls for t in plan.trajectories))
+        return judged(plan, self._noise, (verdict.certified, verdict.ledger))
 
     @cached_property
     def _noise(self) -> FleetNoise:

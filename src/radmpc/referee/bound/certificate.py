@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from radmpc.model.scenario import Avoidance, Scenario
 from radmpc.notebook import html_table
 from radmpc.records import dataclass
 from radmpc.referee.bound.bounds import step_risks
-from radmpc.referee.bound.charging import Account, total_risk
+from radmpc.referee.bound.charging import Account, Ledger
 from radmpc.referee.bound.workspace import workspace_risks
 from radmpc.referee.claims.claims import claim_problems, limit_problems, shape_problems
 from radmpc.referee.gather import Gathered, gather_obstacles, gather_pairs
@@ -137,7 +137,7 @@ def certify(plan: Plan, *, avoidance: Avoidance | None = None) -> Certificate:
 
 def ledger_under(
     noise: FleetNoise, controls: Sequence[Matrix]
-) -> tuple[float, tuple[LedgerRow, ...]]:
+) -> tuple[float, Iterable[LedgerRow]]:
     """Return what `certify` finds at risk under controls, for who has yet to make a plan of them.
 
     Parameters
@@ -149,15 +149,15 @@ def ledger_under(
 
     Returns
     -------
-    tuple of (float, tuple of LedgerRow)
+    tuple of (float, iterable of LedgerRow)
         Upper bound on the probability of any collision [-], and where it goes; 1 and nothing where
-        that cannot be judged.
+        that cannot be judged. Rows are made when they are asked for.
     """
     motion = noise.under(controls)
     if motion.problems:
         return 1.0, ()
     ledger = _ledger(noise.scenario, motion)
-    return total_risk(ledger), ledger
+    return ledger.total, ledger
 
 
 def rough_risk_under(noise: FleetNoise, controls: Sequence[Matrix]) -> float:
@@ -174,11 +174,11 @@ def rough_risk_under(noise: FleetNoise, controls: Sequence[Matrix]) -> float:
     motion = noise.under(controls)
     if motion.problems:
         return 1.0
-    return total_risk(_ledger(noise.scenario, motion, is_rough=True))
+    return _ledger(noise.scenario, motion, is_rough=True).total
 
 
 def judged(
-    plan: Plan, noise: FleetNoise, ledger: tuple[LedgerRow, ...] | None = None
+    plan: Plan, noise: FleetNoise, found: tuple[float, Iterable[LedgerRow]] | None = None
 ) -> Certificate:
     """Judge one of many plans of a scenario, as `certify` does.
 
@@ -188,8 +188,8 @@ def judged(
         Any plan.
     noise : FleetNoise
         Of its scenario.
-    ledger : tuple of LedgerRow or None
-        That of its controls, from `ledger_under`; None is not at hand.
+    found : tuple of (float, iterable of LedgerRow) or None
+        What `ledger_under` finds of its controls; None is not at hand.
     """
     scenario = plan.scenario
     problems = shape_problems(plan)
@@ -199,8 +199,10 @@ def judged(
     if motion.problems:
         return Certificate(scenario.risk_bound, 1.0, (), tuple(motion.problems))
     problems = claim_problems(plan, motion) + limit_problems(plan, motion)
-    ledger = _ledger(scenario, motion) if ledger is None else ledger
-    certified = total_risk(ledger)
+    if found is None:
+        ledger = _ledger(scenario, motion)
+        found = ledger.total, ledger
+    certified, rows = found
     stated = plan.risk.certified
     if stated is not None and stated < certified * (1.0 - _STATED_TOL):
         problems.append(
@@ -208,12 +210,10 @@ def judged(
         )
     saturation = saturation_bound(scenario, motion, [t.controls for t in plan.trajectories])
     total = min(float(saturation.sum()), 1.0)
-    return Certificate(scenario.risk_bound, certified, ledger, tuple(problems), total)
+    return Certificate(scenario.risk_bound, certified, tuple(rows), tuple(problems), total)
 
 
-def _ledger(
-    scenario: Scenario, motion: FleetMotion, *, is_rough: bool = False
-) -> tuple[LedgerRow, ...]:
+def _ledger(scenario: Scenario, motion: FleetMotion, *, is_rough: bool = False) -> Ledger:
     """Rate everything that can go wrong."""
     intervals = scenario.avoidance == "intervals"
     everyone = np.arange(scenario.num_vehicles)
@@ -238,6 +238,6 @@ def _ledger(
 
         pairs, losing = range_risks(scenario, motion, intervals=intervals)
         account.charge("range", pairs.first, pairs.other, losing)
-    return account.rows(
+    return account.ledger(
         tuple(v.name for v in scenario.vehicles), tuple(o.name for o in scenario.obstacles)
     )
