@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor, Vector, as_matrix, unchecked
+from radmpc.arrays import Matrix, Vector, as_matrix, unchecked
 from radmpc.flying.knowing import (
     acted_on,
     best_of,
@@ -18,6 +18,7 @@ from radmpc.flying.knowing import (
 )
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
+from radmpc.model.relations.alike import covariances_of_all
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass, replace
@@ -242,12 +243,12 @@ def leg_of(
         If controls do not fit the scenario, or are not finite.
     """
     trajectories = []
-    spreads: dict[tuple[bytes, ...], Tensor] = {}
-    for i, (vehicle, given) in enumerate(zip(scenario.vehicles, controls, strict=True)):
+    spreads = covariances_of_all(scenario.vehicles, scenario.horizon)
+    both = zip(scenario.vehicles, spreads, controls, strict=True)
+    for i, (vehicle, spread, given) in enumerate(both):
         shape = (scenario.horizon, vehicle.system.num_controls)
         pushed = as_matrix(given, shape, ("vehicles", i, "controls"))
         means = rollout(vehicle.system, vehicle.start, pushed, vehicle.pushes(scenario.horizon))
-        spread = _spread(vehicle, scenario.horizon, spreads)
         # What it would check was checked, or is, overflow too, where its rows are bought.
         path = unchecked(Trajectory, vehicle.name, pushed, means, spread, vehicle.gain)
         trajectories.append(path)
@@ -264,18 +265,6 @@ def leg_of(
     )
     known = Scale(scenario.covariance_samples) if scale is None else scale
     return Leg(began, witnesses_of(replace(plan, cost=cost_of(plan))), known)
-
-
-def _spread(vehicle: Vehicle, horizon: int, known: dict[tuple[bytes, ...], Tensor]) -> Tensor:
-    """Return a vehicle's covariances, those of another one that is shaken and steered alike."""
-    if vehicle.has_memory:
-        return vehicle.covariances(horizon)
-    gain = b"" if vehicle.gain is None else vehicle.gain.tobytes()
-    system, noise = vehicle.system, (vehicle.initial_covariance, vehicle.disturbance_covariance)
-    key = system.A.tobytes(), system.B.tobytes(), gain, *(each.tobytes() for each in noise)
-    if key not in known:
-        known[key] = vehicle.covariances(horizon)
-    return known[key]
 
 
 def miss_of(vehicle: Vehicle, state: Vector, dt: float) -> float:

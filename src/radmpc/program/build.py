@@ -14,6 +14,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.noise.positions import position_response
+from radmpc.model.relations.alike import covariances_of_all
 from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.program.builder import ProgramBuilder
@@ -49,9 +50,10 @@ def prediction_matrices(scenario: Scenario) -> tuple[PredictionMatrices, ...]:
 
 def condensed_models(scenario: Scenario) -> tuple[CondensedModel, ...]:
     """Return every vehicle condensed over the whole horizon, from its start."""
-    models = []
-    for vehicle, prediction in zip(scenario.vehicles, prediction_matrices(scenario), strict=True):
-        covariances = vehicle.covariances(scenario.horizon)
+    models, vehicles = [], scenario.vehicles
+    spreads = covariances_of_all(vehicles, scenario.horizon)
+    every = zip(vehicles, prediction_matrices(scenario), spreads, strict=True)
+    for vehicle, prediction, covariances in every:
         bounds = vehicle.control_bounds(covariances)
         common = None
         if vehicle.shared:

@@ -7,6 +7,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Trajectory
+from radmpc.model.relations.alike import covariances_of_all
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 
@@ -27,6 +28,7 @@ def trajectories_of(
     """
     if not controls_of_all:
         return ()
+    spreads = covariances_of_all(scenario.vehicles, scenario.horizon)
     return tuple(
         Trajectory(
             name=vehicle.name,
@@ -34,10 +36,12 @@ def trajectories_of(
             means=rollout(
                 vehicle.system, vehicle.start, controls, vehicle.pushes(scenario.horizon)
             ),
-            covariances=vehicle.covariances(scenario.horizon),
+            covariances=spread,
             gain=vehicle.gain,
         )
-        for vehicle, controls in zip(scenario.vehicles, controls_of_all, strict=True)
+        for vehicle, spread, controls in zip(
+            scenario.vehicles, spreads, controls_of_all, strict=True
+        )
     )
 
 
