@@ -142,6 +142,18 @@ def test_a_plan_that_does_not_hold_keeps_all_its_steps(plan: Plan) -> None:
     assert "NOT certified" in thinned.note
 
 
+def test_legs_of_a_plan_that_does_not_hold_are_as_near_as_is_said(plan: Plan) -> None:
+    half = 0.5 * radmpc.certify(plan).certified
+    thinned = radmpc.thin(plan, 0.2, risk_bound=half)
+    assert not thinned.certificate.holds
+    times = np.linspace(0.0, plan.scenario.horizon, 20 * plan.scenario.horizon + 1)
+    for i, vehicle in enumerate(plan.scenario.vehicles):
+        kept = thinned.steps[vehicle.name]
+        away = np.linalg.norm(legs(plan, i, kept, times) - path(plan, i, times), axis=1)
+        assert away.max() <= thinned.deviations[vehicle.name] + 1e-9
+    assert max(thinned.deviations.values()) > 1e-3
+
+
 def test_what_cannot_be_thinned_is_refused(plan: Plan) -> None:
     for tolerance in (0.0, -1.0, np.inf, np.nan):
         with pytest.raises(ArgumentError, match="tolerance must be a number > 0 m"):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import reduce
 
 import numpy as np
-from scipy.special import ndtr
 
 from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.referee.tails import exceeding
 
 __all__ = ["CONTACT_TOL", "held", "in_deviations", "reserves"]
 
@@ -58,7 +58,11 @@ def reserves(is_near: tuple[bool, ...], sagitta: Matrix, shares: Tensor | float)
 
 
 def held(
-    is_near: tuple[bool, ...], margins: Matrix, spread: Matrix, sagitta: Vector
+    is_near: tuple[bool, ...],
+    margins: Matrix,
+    spread: Matrix,
+    sagitta: Vector,
+    samples: int | None = None,
 ) -> tuple[Matrix, Vector]:
     """Return the clearances of half-spaces whose ends share the reserve at the least risk.
 
@@ -70,6 +74,8 @@ def held(
         Margins without any reserve, and standard deviations along the normals [m].
     sagitta : (N,) array
         Deviation of the mean curves from their chords toward the sets in mid-interval, > 0 [m].
+    samples : int or None
+        Independent steps ν that covariances were estimated from; None is that they are known.
 
     Returns
     -------
@@ -84,7 +90,7 @@ def held(
     shares[-1] = _balanced(is_near, margins, spread, sagitta)
     kept = reserves(is_near, sagitta, shares).transpose(2, 0, 1)
     found = in_deviations(margins[:, None] - kept, spread[:, None])
-    best = reduce(np.add, ndtr(-found)).argmin(axis=0)
+    best = reduce(np.add, exceeding(found, samples)).argmin(axis=0)
     rows = np.arange(len(sagitta))
     return found[:, best, rows].T, shares[best, rows]
 

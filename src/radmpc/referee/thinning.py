@@ -120,9 +120,12 @@ def thin(
     certificate = certify(plan)
     whole = tuple(range(plan.scenario.horizon + 1))
     every = {trajectory.name: whole for trajectory in plan.trajectories}
-    if shape_problems(plan) or not certificate.holds:
+    if shape_problems(plan):
         return Thinned(every, dict.fromkeys(every, rounding), tolerance, certificate)
     motion = propagate(plan.scenario, [t.controls for t in plan.trajectories])
+    if not certificate.holds:
+        found = _all_steps(plan, motion, rounding)
+        return replace(found, tolerance=tolerance, certificate=certificate)
     for halvings in range(_HALVINGS + 2):
         # The last attempt leaves out what is on a straight leg anyway.
         within = tolerance * 0.5**halvings if halvings <= _HALVINGS else 0.0

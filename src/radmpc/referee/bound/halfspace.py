@@ -89,7 +89,7 @@ def shared_risks(sites: Sites, directions: Tensor) -> Tensor:
     bowed = (seen.sagittas > 0.0) & (over_ends(risks) > _NEGLIGIBLE)
     if bowed.any():
         ends = seen.margins[bowed], seen.deviations[bowed], seen.sagittas[bowed]
-        levels[bowed], _ = held(sites.is_near, *ends)
+        levels[bowed], _ = held(sites.is_near, *ends, sites.samples)
         risks[bowed] = exceeding(levels[bowed], sites.samples)
     risks += _EXCESS * np.minimum(np.maximum(-levels, 0.0), _MOST_EXCESS)
     return risks

@@ -84,7 +84,7 @@ def _held(sites: Sites, seen: Chords) -> tuple[Tensor, Matrix]:
     bowed = seen.sagittas > 0.0
     if bowed.any():
         ends = seen.margins[bowed], seen.deviations[bowed], seen.sagittas[bowed]
-        levels[bowed], shares[bowed] = held(sites.is_near, *ends)
+        levels[bowed], shares[bowed] = held(sites.is_near, *ends, sites.samples)
     return levels, shares
 
 

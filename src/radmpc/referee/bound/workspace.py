@@ -9,7 +9,7 @@ from radmpc.model.scenario import Workspace
 from radmpc.referee.bound.chain import chain_charges
 from radmpc.referee.bound.halfspace import end_risks
 from radmpc.referee.bound.parts import NUM_PARTS, part_sites
-from radmpc.referee.bound.persistence import path_charges
+from radmpc.referee.bound.persistence import least_risks, path_charges
 from radmpc.referee.encounters import Encounters, instant_sites, interval_sites
 from radmpc.referee.motion import FleetMotion
 
@@ -127,7 +127,11 @@ def face_risks(
     if near.size and motion.samples is not None:
         # One direction from end to end: of the events of a step one holds the other.
         begins = np.zeros((near.size, steps - 1), dtype=bool)
-        found[near] = chain_charges(ends[near, :, :-1], ends[near, :, -1], begins)
+        least = least_risks(
+            interval_sites(batch.take(near)), np.repeat(each[near], steps - 1, axis=0)
+        )
+        least = least.reshape(near.size, steps - 1, -1)
+        found[near] = chain_charges(least[:, :, :-1], least[:, :, -1], begins)
     elif near.size:
         parts, crossed = part_sites(batch.take(near), motion, NUM_PARTS)
         shape = near.size, NUM_PARTS * (steps - 1), 1, d

@@ -175,7 +175,7 @@ class _Purchase:
             runs = np.zeros((near.size, num_intervals), dtype=bool)
             runs[:, 0] = True
             nested = Choice(near, 0, held[near], runs)
-            self._take_choice(batch.take(near), numbers[near], nested, shares=0.5)
+            self._take_choice(batch.take(near), numbers[near], nested)
         elif near.size:
             parted = Choice(near, NUM_PARTS, np.repeat(held[near], NUM_PARTS, axis=1), begins[near])
             self._take_choice(batch.take(near), numbers[near], parted)
