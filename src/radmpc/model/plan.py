@@ -36,7 +36,7 @@ class Status(Enum):
             Status.OPTIMAL: "plan found, proven optimal for the union bound, within the gap",
             Status.FEASIBLE: "plan found, without a proof that it is the best",
             Status.INFEASIBLE: "no plan found",
-            Status.LIMIT: "ended before any plan was found (time limit, node limit or Ctrl-C)",
+            Status.LIMIT: "ended without a plan, and without a proof that there is none",
         }[self]
 
     def sentence_after(self, stopped_by: str | None) -> str:

@@ -134,7 +134,7 @@ def test_the_preset_and_the_events_are_reported(capsys: pytest.CaptureFixture[st
 
 def test_a_reason_that_is_the_status_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
     nothing = {"status": Status.LIMIT, "trajectories": (), "risk": Risk(0.05), "cost": None}
-    assert shown(capsys, make_plan(**nothing)).count("before any plan was found") == 1
+    assert shown(capsys, make_plan(**nothing)).count("without a plan") == 1
     explained = shown(capsys, make_plan(**nothing, explanation="v1 is stuck."))
     assert "no plan  v1 is stuck." in explained
 

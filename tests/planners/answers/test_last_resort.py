@@ -109,6 +109,30 @@ def test_more_faces_that_a_first_look_does_not_tell_of_are_searched_longer(
     assert "not known" not in answer.explanation
 
 
+@pytest.mark.parametrize(
+    ("looks_long", "why"),
+    [(False, "searches ended without an answer."), (True, "each was given up to 15 s.")],
+)
+def test_what_is_not_known_of_more_faces_says_whether_time_ran_out(
+    monkeypatch: pytest.MonkeyPatch, looks_long: bool, why: str
+) -> None:
+    none_by_faces = WhyNot("No path.", is_proven=True, blocked=(0, 1))
+    monkeypatch.setattr(fallbacks, "turn_from_noiseless", lambda fleet, state, judge: state)
+    monkeypatch.setattr(fallbacks, "why_not", lambda scenario, limits: none_by_faces)
+
+    def undecided(scenario, limits: Limits) -> None:
+        if looks_long:
+            monkeypatch.setattr(Limits, "reached", property(lambda limits: len(limits_seen) > 0))
+            limits_seen.append(limits)
+
+    limits_seen: list[Limits] = []
+    monkeypatch.setattr(fallbacks, "feasible_within", undecided)
+    fleet = Fleet.of(paper(2, 0), 1e-3, Limits().within(60.0))
+    search = PriceSearch.of(fleet, lambda controls: Verdict(1.0, ()))
+    answer = fallbacks.last_resort(search, SearchState.of(fleet)).answer
+    assert answer.explanation.endswith(why)
+
+
 def test_faces_that_were_tried_are_told_in_one_list() -> None:
     finer = list(finer_scenarios(paper(2, 0)))
     assert faces_text(finer) == (

@@ -111,15 +111,17 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
     scenario, limits = search.fleet.scenario, search.fleet.limits
     ruled_out: list[Finer] = []
     unplanned: list[Finer] = []
-    untold = tuple(finer_scenarios(scenario))
+    untold, is_cut_off = tuple(finer_scenarios(scenario)), False
     # All of them shortly first: where one of them leaves a plan, that is soon known, as a rule.
     for seconds in WITHOUT.face_trials:
         still: list[Finer] = []
         for finer in untold:
             part = finer.scenario.subset(answer.blocked, scenario.risk_bound)
-            has_plan = feasible_within(part, limits.within(seconds))
+            trial = limits.within(seconds)
+            has_plan = feasible_within(part, trial)
             if has_plan is None:
                 still.append(finer)
+                is_cut_off |= trial.reached
             elif not has_plan:
                 ruled_out.append(finer)
             else:
@@ -135,8 +137,9 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
         faces = faces_text(unplanned)
         text += f" There is a way with {faces}, but no plan of the whole fleet was found by it."
     if untold:
-        within = limits.reason or f"each was given {WITHOUT.face_trials[-1]:g} s"
-        text += f" Whether a way opens with {faces_text(untold)} is not known: {within}."
+        given = f"each was given up to {WITHOUT.face_trials[-1]:g} s"
+        why = limits.reason or (given if is_cut_off else "searches ended without an answer")
+        text += f" Whether a way opens with {faces_text(untold)} is not known: {why}."
     is_proven = answer.is_proven and not (untold or unplanned)
     return None, replace(answer, explanation=text, is_proven=is_proven)
 
