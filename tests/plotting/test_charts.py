@@ -83,6 +83,19 @@ def test_no_two_vehicles_share_a_place_however_the_sets_are(coupled: Plan) -> No
         assert np.all((dots > [left, low]) & (dots < [right, high]))
 
 
+def test_a_long_name_of_a_coupling_graph_reaches_over_no_other(flat_plan: Plan) -> None:
+    names = ["a", "b", "vehicle-with-a-long-name-that-goes-on", "c"]
+    row = [make_vehicle(name, [2.0 * k, 0.0], [2.0 * k, 9.0]) for k, name in enumerate(names)]
+    scenario = replace(flat_plan.scenario, vehicles=tuple(row))
+    sets = (tuple(names[:2]), *((name,) for name in names[2:]))
+    ax = plot_couplings(replace(flat_plan, scenario=scenario, sets=sets, couplings=()))
+    ax.figure.draw_without_rendering()
+    written = [artists(ax, f"name:{name}")[0] for name in names]
+    assert written[2].get_text() == "vehicle…-goes-on"
+    boxes = [text.get_window_extent() for text in written]
+    assert not any(one.overlaps(two) for one, two in combinations(boxes, 2))
+
+
 def test_names_of_a_coupling_graph_lie_on_no_edge(flat_plan: Plan) -> None:
     names = [f"agent{k}" for k in range(7)]
     row = [make_vehicle(name, [2.0 * k, 0.0], [2.0 * k, 9.0]) for k, name in enumerate(names)]

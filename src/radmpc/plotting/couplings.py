@@ -64,6 +64,9 @@ _UNNUMBERED = {
 }
 """The same where there are too many for numbers."""
 
+_MOST_LETTERS = 16
+"""Letters of a name that is written in full [-]; of longer ones both ends are."""
+
 _FRAME = 0.75
 """Height of title, facts and margins [in]."""
 
@@ -180,12 +183,20 @@ def _write_name(ax: Axes, name: str, place: Vector, outward: Vector, color: Colo
     """Write a name outside of its set's circle, where no edge is."""
     right, up = outward
     ax.annotate(
-        name, (float(place[0]), float(place[1])), xytext=(4.5 * right, 4.5 * up),
+        _shortened(name), (float(place[0]), float(place[1])), xytext=(4.5 * right, 4.5 * up),
         textcoords="offset points", fontsize=LABEL_SIZE, color=color, zorder=5,
         ha="center" if abs(right) < _UPRIGHT else "left" if right > 0.0 else "right",
         va="center" if abs(up) < _UPRIGHT else "bottom" if up > 0.0 else "top",
         gid=f"name:{name}", path_effects=[withStroke(linewidth=1.4, foreground="white")],
     )  # fmt: skip
+
+
+def _shortened(name: str) -> str:
+    """Return a name, without its middle where it would reach over its neighbors'."""
+    if len(name) <= _MOST_LETTERS:
+        return name
+    end = _MOST_LETTERS // 2
+    return f"{name[: _MOST_LETTERS - end - 1]}…{name[-end:]}"
 
 
 def _darkness(coupling: Coupling) -> float:
