@@ -141,3 +141,16 @@ def test_a_check_tells_on_a_terminal_what_it_looks_at(
     ]
     assert [seen.name for seen in outlook.vehicles] == ["east", "west"]
     assert concerns == concerns_of(outlook)
+
+
+def test_the_table_tells_tiny_risks_where_the_bound_is_tiny_too(run: Run, tmp_path: Path) -> None:
+    near = CROSSING.replace("min: [4.5, 7.0], max: [5.5, 8.0]", "min: [8.5, 6.2], max: [9.5, 7.0]")
+    (tmp_path / "near.yaml").write_text(near, encoding="utf-8")
+    for bound, tells in (("1e-300", True), ("0.05", False)):
+        words = ("check", "near.yaml", "--set", f"risk_bound={bound}")
+        risk = json.loads(run(*words, "--json").stdout)["vehicles"][0]["goal_risk"]
+        assert risk < 1e-12
+        report = run(*words).stdout
+        head, east, _ = report.splitlines()[-3:]
+        assert east[head.index("goal risk") :].split()[0] == (f"{risk:.2g}" if tells else "-")
+        assert ("runs a risk of" in report) == tells

@@ -108,6 +108,16 @@ def test_without_a_report_the_reason_stands_on_stderr(run: Run, infeasible: Path
     assert "cannot reach its goal" in assert_one_line(result.stderr)
 
 
+def test_without_a_plan_a_result_is_written(run: Run, infeasible: Path, crossing: Path) -> None:
+    words = ("--planner", "dlp", "--time-limit", "1e-9")
+    for scenario, more in ((infeasible, ()), (crossing, words)):
+        result = run("plan", scenario, "-o", "a.json", *more)
+        assert result.exit_code == 1
+        assert result.stdout.splitlines()[-2:] == ["", "result written to a.json"]
+        assert "plan written" not in result.stdout
+        assert json.loads(Path("a.json").read_text(encoding="utf-8"))["vehicles"] == []
+
+
 def test_without_a_plan_the_reason_is_given(run: Run, infeasible: Path) -> None:
     result = run("plan", infeasible, "-o", "a.json", "--figure", "a.png")
     assert result.exit_code == 1

@@ -24,7 +24,7 @@ def test_what_the_first_leg_does_not_need_is_in_the_bank() -> None:
 
 
 def test_a_mission_does_not_begin_above_its_bound() -> None:
-    with pytest.raises(RiskError, match=r"at most the risk bound of 0.05, got 0.051"):
+    with pytest.raises(RiskError, match=r"certificate of 0\.051 is above the risk bound of 0\.05"):
         Account.opened(0.05, 0.051)
     assert Account.opened(0.05, 0.05).bank == 0.0
 

@@ -96,6 +96,35 @@ def test_ranges_are_kept_to_those_whom_starts_and_goals_name(tmp_path: Path) -> 
     assert load_scenario(tmp_path / "fleet.yaml").keep == keep
 
 
+def test_what_concerns_vehicles_that_are_left_out_is_not_told(tmp_path: Path) -> None:
+    fleet = [
+        *vehicle("a", 0.0, keep=["b", "c"], range="60.5, 90"), *vehicle("b", 0.4),
+        *vehicle("c", 0.8),
+    ]  # fmt: skip
+    blocks = [
+        block(0.2, name="boom", **{"for": "c"}),
+        block(0.6, name="zone", **{"for": "a, c"}),
+        block(1.0, name="pier", **{"except": "c"}),
+    ]
+    told = {}
+    for agents in (3, 2, 1):
+        imported = drawn(tmp_path, fleet, blocks, agents=agents)
+        told[agents] = [imported.choices.get(key) for key in ("obstacles for some", "ranges")]
+        assert imported.scenario.source["choices"] == imported.choices
+    assert told == {
+        3: ["boom only c; zone only a, c; pier all but c", "a and b 60.5 m; a and c 90 m"],
+        2: ["zone only a", "a and b 60.5 m"],
+        1: ["zone only a", None],
+    }
+
+
+def test_short_words_are_no_misspelled_relations(tmp_path: Path) -> None:
+    words = {"foo": 1, "fro": 1, "fo": 1, "excpet": "b"}
+    assert drawn(tmp_path, vehicle("a", 0.0, **words)).warnings == (
+        "properties ignored: excpet (did you mean except?), fo, foo, fro",
+    )
+
+
 KML = """<?xml version="1.0" encoding="UTF-8"?>
 <kml xmlns="http://www.opengis.net/kml/2.2"><Document>
 {}

@@ -78,7 +78,7 @@ class Account:
         _check_risk(price, "price")
         if price > risk_bound:
             raise RiskError(
-                f"price must be at most the risk bound of {risk_bound:.6g}, got {price:.6g}"
+                f"its certificate of {price:.6g} is above the risk bound of {risk_bound:.6g}"
             )
         return cls(risk_bound, price, risk_bound - price)
 

@@ -19,12 +19,12 @@ from radmpc.importing.noise import (
 )
 from radmpc.importing.options import ImportOptions
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
+from radmpc.importing.relations import among_left, describe_relations
 from radmpc.importing.rounding import rounded
 from radmpc.importing.timing import choose_steps
 from radmpc.importing.windows import arrival_steps, chosen_visits
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_count
 from radmpc.model.dynamics import double_integrator
-from radmpc.model.relations.concerns import among
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.records import dataclass, replace
@@ -93,6 +93,7 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
     choices = dict(problem.reasons)
     warnings = list(problem.warnings)
     problem = _chosen(problem, options, choices)
+    choices.update(describe_relations(problem.obstacles, problem.keep))
     spaces = free_spaces_of(problem)
     if spaces is not None and options.radius is None:
         problem = fit_hulls(problem, spaces, choices, warnings)
@@ -148,21 +149,7 @@ def _chosen(
     if options.radius is not None:
         choices["radius"] = f"{options.radius:g} m, as asked"
         vehicles = tuple(replace(v, radius=float(options.radius)) for v in vehicles)
-    return _among(replace(problem, vehicles=vehicles))
-
-
-def _among(problem: ForeignProblem) -> ForeignProblem:
-    """Return a problem whose obstacles and ranges name only those who are left of its vehicles."""
-    names = {vehicle.name for vehicle in problem.vehicles}
-    obstacles = []
-    for obstacle in (among(one, names) for one in problem.obstacles):
-        whom = obstacle.concerns
-        if whom is None or whom.names:
-            obstacles.append(obstacle)
-        elif whom.are_exempt:
-            obstacles.append(replace(obstacle, concerns=None))
-    keep = tuple(one for one in problem.keep if names.issuperset(one.vehicles))
-    return replace(problem, obstacles=tuple(obstacles), keep=keep)
+    return among_left(replace(problem, vehicles=vehicles))
 
 
 def _noises(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,12 @@ def test_a_misspelled_planner_is_told_with_its_option_and_the_nearest_name(
 
 def test_a_name_that_resembles_none_has_no_guess(run: Run, crossing: Path) -> None:
     assert refused(run, "plan", crossing, "--planner", "xyzzy").endswith("got 'xyzzy'")
+
+
+def test_a_guess_at_a_command_ends_in_a_question_before_the_way_to_help(run: Run) -> None:
+    line = refused(run, "plna")
+    assert re.search(r"'plna'\. Did you mean 'plan'\? See '[a-z]+ --help'$", line), line
+    assert re.search(r"No such command 'xyzzy'; see '[a-z]+ --help'$", refused(run, "xyzzy"))
 
 
 @pytest.fixture

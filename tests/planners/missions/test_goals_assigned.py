@@ -150,6 +150,7 @@ def test_files_assign_vehicles_own_goals_or_a_list() -> None:
         ({"goals": [{"center": [1, 1]}] * 3}, r"^goals: stand beside assign: true alone"),
         ({"assign": True, "goals": [{"center": [1, 1]}]}, r"^goals: must be as many as vehicles"),
         ({"assign": True, "goals": [{"center": [1, 1]}] * 3}, r"^vehicles\[0\]\.goal: must be one"),
+        ({"assign": True, "goals": []}, r"^goals: must be as many as vehicles at least, 3, got 0$"),
         ({"assign": True, "goals": [{"center": [1]}]}, r"^goals\[0\]"),
         ({"assign": 1}, r"^assign: "),
         (
@@ -179,3 +180,24 @@ def test_a_goal_with_a_speed_is_for_vehicles_that_have_one() -> None:
     goals = [drifter.goal, given.goals[1]]
     with pytest.raises(ScenarioError, match=r"^goals\[1\]\.speed: the dynamics of 'a', who might"):
         replace(given, vehicles=(drifter, given.vehicles[1]), goals=goals)
+
+
+@pytest.mark.parametrize("count", [0, 2])
+def test_fewer_goals_than_vehicles_without_one_are_counted_at_the_list(count: int) -> None:
+    data = to_dict(replace(sharing(), goals=()))
+    vehicles = [{k: e for k, e in v.items() if k != "goal"} for v in data["vehicles"]]
+    goals = [{"center": end, "half_width": 0.5} for end in ENDS[:count]]
+    with pytest.raises(ScenarioError) as caught:
+        from_dict({**data, "vehicles": vehicles, "assign": True, "goals": goals})
+    assert str(caught.value) == (
+        f"goals: must be as many as vehicles at least, 3, got {count}; "
+        "without a goal of their own are 3"
+    )
+    assert caught.value.more == ()
+
+
+def test_goals_that_nobody_is_there_to_share_leave_the_missing_vehicles_to_be_named() -> None:
+    data = to_dict(replace(sharing(), goals=()))
+    goals = [{"center": end, "half_width": 0.5} for end in ENDS]
+    with pytest.raises(ScenarioError, match=r"^vehicles: needs at least one vehicle"):
+        from_dict({**data, "vehicles": [], "assign": True, "goals": goals})

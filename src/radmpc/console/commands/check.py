@@ -40,6 +40,12 @@ _PLACES = {Passage.WIDE: "wide", Passage.UNKNOWN: "?", Passage.TOO_LARGE: "not c
 _WHY_NOT = {Passage.UNKNOWN: "out of reach", Passage.TOO_LARGE: "too large"}
 """Why a narrowest place is not known, for programs."""
 
+_NOTHING = 1e-12
+"""Probability below which none is told [-], unless the risk bound is small, too."""
+
+_LEAST_SHARE = 1e-4
+"""Share of the risk bound from which on a probability is told however small it is [-]."""
+
 _GAP = "  "
 """What separates columns."""
 
@@ -159,21 +165,23 @@ def _row(scenario: Scenario, seen: VehicleOutlook) -> tuple[str, ...]:
         seen.name,
         f"{'-' if least is None else least} of {scenario.horizon} steps",
         f"{100.0 * seen.reserve.share:.0f} %" if seen.reserve.share else "-",
-        _risk(seen.saturation),
+        _risk(seen.saturation, scenario.risk_bound),
         f"{seen.end_deviation:.3g} m",
-        _risk(seen.start_risk),
-        _risk(seen.goal_risk),
+        _risk(seen.start_risk, scenario.risk_bound),
+        _risk(seen.goal_risk, scenario.risk_bound),
         _place(seen.narrowest),
     )
 
 
-def _risk(risk: float | None) -> str:
-    """Return a probability in two digits."""
+def _risk(risk: float | None, bound: float) -> str:
+    """Return a probability in two digits, or that it is as good as none beside the risk bound."""
     if risk is None:
         return "?"
     if risk > 1.0:
         return ">= 1"  # a sum of bounds
-    return f"{risk:.2g}" if risk >= 1e-12 else "-"
+    # Beside a tiny bound a tiny risk may be all that there is to tell.
+    is_told = risk > 0.0 and risk >= min(_NOTHING, _LEAST_SHARE * bound)
+    return f"{risk:.2g}" if is_told else "-"
 
 
 def _place(place: Narrowest | Passage) -> str:

@@ -9,15 +9,18 @@ from radmpc.console.files import check_output, check_separate
 from radmpc.console.output import note, show
 from radmpc.console.picture import check_film, drawing, write_film
 from radmpc.console.running.guard import Code
+from radmpc.console.words import first_of
 from radmpc.errors import ArgumentError, FileFormatError, ScenarioError
 from radmpc.io.flight.flight_file import is_flight, load_flight
 from radmpc.io.native.plan_file import load_plan
 from radmpc.io.native.scenario_file import load_scenario
 from radmpc.io.ranges import PLAN_FORMAT
 from radmpc.io.text.document import read_document
+from radmpc.io.text.files import one_line
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.referee.claims.claims import shape_problems
+from radmpc.referee.claims.statements import ledger_problems
 
 __all__ = ["run_draw"]
 
@@ -46,7 +49,7 @@ def run_draw(source: Path, view: str | None, output: Path) -> int:
     ScenarioError
         If there is no such view, or not of a scenario, or not as a film.
     FileFormatError
-        If a file's format is unknown.
+        If a file's format is unknown, or a plan does not fit its own scenario.
     OutputError
         If the picture cannot be written.
     """
@@ -65,12 +68,25 @@ def run_draw(source: Path, view: str | None, output: Path) -> int:
     value = _load(source)
     if isinstance(value, Scenario) and (is_film or view is not None):
         raise FileFormatError(f"{source}: is a scenario, and only a plan has films and views")
+    if isinstance(value, Plan):
+        _check_drawable(value, source)
     if isinstance(value, Plan) and is_film:
         write_film(value, output)
     else:
         _draw(value, view or "plan", output)
     show(f"{'film' if is_film else 'picture'} written to {output}")
     return Code.OK
+
+
+def _check_drawable(plan: Plan, source: Path) -> None:
+    """Refuse a plan whose arrays or ledger do not fit its scenario; others are drawn as they are.
+
+    What has no trajectories is drawn as its scenario.
+    """
+    problems = shape_problems(plan) if plan.trajectories else []
+    problems += ledger_problems(plan)
+    if problems:
+        raise FileFormatError(one_line(f"{source}: cannot be drawn: {first_of(problems)}"))
 
 
 def _draw_flight(source: Path, view: str | None, output: Path, *, is_film: bool) -> Code:

@@ -161,7 +161,8 @@ def run_plan(scenario: Scenario, request: Request) -> int:
             len(result.events),
             bounds_risk=planner.bounds_risk,
         )
-        show(*report, *(_kept(request.output) if kept else _written("plan", request.output)))
+        what = "plan" if result.record.trajectories else "result"
+        show(*report, *(_kept(request.output) if kept else _written(what, request.output)))
     # Films take longer than many a plan: whoever interrupts one has read the report.
     _draw(result.record, request)
     return _conclude(result, was_interrupted, not request.as_json)

@@ -34,7 +34,10 @@ def usage_line(error: Any) -> str:
     if len(found) == 1 and hasattr(error, "message"):
         # Typer's words say what is allowed, but not what was given.
         error.message = _value_text(found[0])
-    return one_line(f"{error.format_message().rstrip('.')}; see '{command} --help'")
+    text = error.format_message().rstrip(".")
+    # What ends in a question goes on with a sentence of its own.
+    see = " See" if text.endswith("?") else "; see"
+    return one_line(f"{text}{see} '{command} --help'")
 
 
 def _value_text(detail: Mapping[str, Any]) -> str:

@@ -20,7 +20,6 @@ from radmpc.importing.geo.local_plane import (
 )
 from radmpc.importing.geo.relations import (
     check_places,
-    describe_relations,
     keep_of,
 )
 from radmpc.importing.geo.visits import describe_visits, visits_of, window_of
@@ -88,7 +87,6 @@ def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
                 area.note,
             ),
             *describe_visits(by_role.get("via", [])),
-            *describe_relations(obstacles, keep),
         ),
         warnings=describe_losses(features, placed),
     )

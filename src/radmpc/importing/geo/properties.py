@@ -31,6 +31,9 @@ _KNOWN = (
     *_VISITS,
     *_RELATIONS,
 )
+_HINTED = tuple(name for name in _KNOWN if len(name) > 3)
+"""Properties that are guessed at: half of all words of three letters are near to another one."""
+
 # What drawing programs add: colors, texts, times.
 _STYLES = re.compile(
     r"(stroke|fill|marker|style|icon|line|poly|label|balloon|_|@).*|title|description|comment|"
@@ -56,6 +59,6 @@ def unknown_properties(keys: Iterable[str]) -> list[str]:
     notes = []
     for key in keys:
         if key not in _KNOWN and not _STYLES.fullmatch(key):
-            near = difflib.get_close_matches(key[:100].lower(), _KNOWN, n=1)
+            near = difflib.get_close_matches(key[:100].lower(), _HINTED, n=1)
             notes.append(f"{key} (did you mean {near[0]}?)" if near else key)
     return notes

@@ -13,7 +13,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.relations.concerns import all_but, only_for
 from radmpc.model.relations.keep import Keep
 
-__all__ = ["check_places", "concerning", "describe_relations", "keep_of", "renamed_relations"]
+__all__ = ["check_places", "concerning", "keep_of", "renamed_relations"]
 
 _NAMING = ("for", "except", "keep")
 """Properties that name other vehicles."""
@@ -113,29 +113,6 @@ def keep_of(points: Sequence[Feature], vehicles: Collection[str]) -> tuple[Keep,
                     (*point.properties_path, "range"),
                 )
     return tuple(found.values())
-
-
-def describe_relations(
-    obstacles: Sequence[Obstacle], keep: Sequence[Keep]
-) -> tuple[tuple[str, str], ...]:
-    """Return whom obstacles concern, and who keeps which range, in words.
-
-    Parameters
-    ----------
-    obstacles : sequence of Obstacle
-        All of them.
-    keep : sequence of Keep
-        All ranges.
-    """
-    some = [
-        f"{obstacle.name} {'all but' if obstacle.concerns.are_exempt else 'only'} "
-        f"{', '.join(obstacle.concerns.names)}"
-        for obstacle in obstacles
-        if obstacle.concerns is not None
-    ]
-    ranges = [f"{' and '.join(one.vehicles)} {one.within:g} m" for one in keep]
-    told = (("obstacles for some", "; ".join(some)), ("ranges", "; ".join(ranges)))
-    return tuple((name, text) for name, text in told if text)
 
 
 def renamed_relations(feature: Feature, names: Mapping[str, str]) -> Feature:

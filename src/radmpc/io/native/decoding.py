@@ -130,10 +130,20 @@ def _goals(spec: ScenarioSpec, vehicles: tuple[Vehicle, ...]) -> tuple[Goal, ...
         if spec.goals is not None:
             raise ScenarioError("stand beside assign: true alone", ("goals",))
         return ()
-    if spec.goals is None:
+    if spec.goals is None or not vehicles:
         return tuple(vehicle.goal for vehicle in vehicles)
+    if not spec.goals:
+        raise _too_few_goals(spec)
     system = vehicles[0].system
     return tuple(build_goal(one, system, "goals", k) for k, one in enumerate(spec.goals))
+
+
+def _too_few_goals(spec: ScenarioSpec) -> ScenarioError:
+    """Return the error of a list of goals that is shorter than that of vehicles."""
+    lacking = 0 if spec.defaults.goal else sum(entry.goal is None for entry in spec.vehicles)
+    hint = f"; without a goal of their own are {lacking}" if lacking else ""
+    counts = f"{len(spec.vehicles)}, got {len(spec.goals or ())}{hint}"
+    return ScenarioError(f"must be as many as vehicles at least, {counts}", ("goals",))
 
 
 def _keep(spec: ScenarioSpec) -> tuple[Keep, ...]:
@@ -194,9 +204,12 @@ def _vehicle(spec: ScenarioSpec, index: int, shared: Shared, usual: int | None) 
     """Return one vehicle."""
     entry = spec.vehicles[index]
     own = {name: getattr(entry, name) for name in entry.model_fields_set}
-    if spec.goals is not None and "goal" not in own and index < len(spec.goals):
-        own["goal"] = spec.goals[index]
     defaults = spec.defaults
+    if spec.goals is not None and "goal" not in own:
+        if index < len(spec.goals):
+            own["goal"] = spec.goals[index]
+        elif spec.assign and defaults.goal is None:
+            raise _too_few_goals(spec)
     if own.keys() & _DISTURBANCES:
         # They say the same thing in two ways: one of its own replaces either default.
         kept = defaults.model_fields_set - _DISTURBANCES

@@ -26,8 +26,8 @@ from radmpc.referee.tails import cutoff_of
 __all__ = ["Certificate", "certify", "judged", "ledger_under", "rough_risk_under"]
 
 _STATED_TOL = 1e-6
-"""Relative difference [-] by which a stated certificate may be below the recomputed one: rounding
-on another machine."""
+"""Relative difference [-] by which a stated certificate, or bound on saturation, may be below the
+recomputed one: rounding on another machine."""
 
 _MOST_ROWS = 3
 """Rows of the ledger that a notebook shows."""
@@ -203,14 +203,18 @@ def judged(
         ledger = _ledger(scenario, motion)
         found = ledger.total, ledger
     certified, rows = found
-    stated = plan.risk.certified
-    if stated is not None and stated < certified * (1.0 - _STATED_TOL):
-        problems.append(
-            f"plan: states a certified risk of {stated:.9g}, the referee finds {certified:.9g}"
-        )
     saturation = saturation_bound(scenario, motion, [t.controls for t in plan.trajectories])
     total = min(float(saturation.sum()), 1.0)
+    problems += _understated("certified risk", plan.risk.certified, certified)
+    problems += _understated("saturation", plan.risk.saturation, total)
     return Certificate(scenario.risk_bound, certified, tuple(rows), tuple(problems), total)
+
+
+def _understated(name: str, stated: float | None, found: float) -> list[str]:
+    """Name a stated upper bound that is below the one that is found."""
+    if stated is None or stated >= found * (1.0 - _STATED_TOL):
+        return []
+    return [f"plan: states a {name} of {stated:.9g}, the referee finds {found:.9g}"]
 
 
 def _ledger(scenario: Scenario, motion: FleetMotion, *, is_rough: bool = False) -> Ledger:

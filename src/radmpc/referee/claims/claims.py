@@ -11,6 +11,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.model.plan import Plan, Status, Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.referee.claims.plain import differing, exceeding_limits, is_beyond
+from radmpc.referee.claims.statements import statement_problems
 from radmpc.referee.motion import FleetMotion
 
 __all__ = ["claim_problems", "cost_of", "limit_problems", "planned_effort", "shape_problems"]
@@ -66,50 +67,6 @@ def _array_problems(horizon: int, vehicle: Vehicle, trajectory: Trajectory) -> l
                 f"vehicle {vehicle.name!r}: {field} have shape {array.shape}, must be {shape}"
             )
     return problems
-
-
-def statement_problems(plan: Plan) -> list[str]:
-    """Return which of a plan's words about itself cannot be true together."""
-    problems = []
-    if plan.status in {Status.INFEASIBLE, Status.LIMIT}:
-        problems.append(f"plan: status is {plan.status.value!r}, yet there are trajectories")
-    if plan.status is Status.OPTIMAL and plan.lower_bound is None:
-        problems.append("plan: status is 'optimal' without a lower bound")
-    for name, bound in (
-        ("lower bound", plan.lower_bound),
-        ("lower bound of any certified plan", plan.certified_lower_bound),
-    ):
-        if plan.cost is None or bound is None:
-            continue
-        if bound - plan.cost > 1e-9 * max(abs(plan.cost), 1.0):
-            problems.append(f"plan: {name} {bound:.9g} is above the cost {plan.cost:.9g}")
-    names = sorted(v.name for v in plan.scenario.vehicles)
-    if sorted(name for group in plan.sets for name in group) != names:
-        problems.append("plan: its sets do not hold every vehicle once")
-    return problems + _ledger_problems(plan)
-
-
-def _ledger_problems(plan: Plan) -> list[str]:
-    """Name rows of the ledger about vehicles, obstacles or steps that the scenario lacks."""
-    vehicles = {v.name for v in plan.scenario.vehicles}
-    partners = {
-        "pair": vehicles,
-        "obstacle": {o.name for o in plan.scenario.obstacles},
-        "workspace": set[str](),
-        "range": vehicles,
-    }
-    problems = []
-    for row in plan.risk.ledger:
-        about = f"plan: a ledger row of cause {row.cause!r} names"
-        if row.vehicle not in vehicles:
-            problems.append(f"{about} vehicle {row.vehicle!r}, who is not in the scenario")
-        # Without a partner a row is the sum over all that is far away.
-        is_itself = row.cause in {"pair", "range"} and row.other == row.vehicle
-        if row.other is not None and (is_itself or row.other not in partners[row.cause]):
-            problems.append(f"{about} other {row.other!r}, which is none of the scenario's")
-        if not 0 <= row.step <= plan.scenario.horizon:
-            problems.append(f"{about} step {row.step}, the last is {plan.scenario.horizon}")
-    return list(dict.fromkeys(problems))
 
 
 def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:

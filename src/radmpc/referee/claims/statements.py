@@ -1,0 +1,110 @@
+"""What a plan states of itself, compared with its scenario: status, bounds, sets, ledger."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf
+
+from radmpc.model.plan import Coupling, Plan, Reason, Status
+
+__all__ = ["ledger_problems", "statement_problems"]
+
+_MOST: Mapping[Reason, float] = {"collision": inf, "risk": 1.0, "distance": inf, "range": inf}
+"""What the value of a coupling is at most, by its reason [- or m]; others have none."""
+
+
+def statement_problems(plan: Plan) -> list[str]:
+    """Return which of a plan's words about itself cannot be true together.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    """
+    problems = []
+    if plan.status in {Status.INFEASIBLE, Status.LIMIT}:
+        problems.append(f"plan: status is {plan.status.value!r}, yet there are trajectories")
+    if plan.status is Status.OPTIMAL and plan.lower_bound is None:
+        problems.append("plan: status is 'optimal' without a lower bound")
+    for name, bound in (
+        ("lower bound", plan.lower_bound),
+        ("lower bound of any certified plan", plan.certified_lower_bound),
+    ):
+        if plan.cost is None or bound is None:
+            continue
+        if bound - plan.cost > 1e-9 * max(abs(plan.cost), 1.0):
+            problems.append(f"plan: {name} {bound:.9g} is above the cost {plan.cost:.9g}")
+    names = sorted(v.name for v in plan.scenario.vehicles)
+    if sorted(name for group in plan.sets for name in group) != names:
+        problems.append("plan: its sets do not hold every vehicle once")
+    return problems + _coupling_problems(plan) + ledger_problems(plan)
+
+
+def ledger_problems(plan: Plan) -> list[str]:
+    """Name rows of the ledger about vehicles, obstacles or steps that the scenario lacks.
+
+    Parameters
+    ----------
+    plan : Plan
+        Any.
+
+    Returns
+    -------
+    list of str
+        Each said once.
+    """
+    vehicles = {v.name for v in plan.scenario.vehicles}
+    partners = {
+        "pair": vehicles,
+        "obstacle": {o.name for o in plan.scenario.obstacles},
+        "workspace": set[str](),
+        "range": vehicles,
+    }
+    problems = []
+    for row in plan.risk.ledger:
+        about = f"plan: a ledger row of cause {row.cause!r} names"
+        if row.vehicle not in vehicles:
+            problems.append(f"{about} vehicle {row.vehicle!r}, who is not in the scenario")
+        # Without a partner a row is the sum over all that is far away.
+        is_itself = row.cause in {"pair", "range"} and row.other == row.vehicle
+        if row.other is not None and (is_itself or row.other not in partners[row.cause]):
+            problems.append(f"{about} other {row.other!r}, which is none of the scenario's")
+        if not 0 <= row.step <= plan.scenario.horizon:
+            problems.append(f"{about} step {row.step}, the last is {plan.scenario.horizon}")
+    return list(dict.fromkeys(problems))
+
+
+def _coupling_problems(plan: Plan) -> list[str]:
+    """Name couplings of vehicles that the scenario lacks, or whose value is not of their reason."""
+    vehicles = {v.name for v in plan.scenario.vehicles}
+    problems = []
+    for coupling in plan.couplings:
+        about = f"plan: a coupling of reason {coupling.reason!r} names"
+        problems += [
+            f"{about} vehicle {name!r}, who is not in the scenario"
+            for name in (coupling.vehicle, coupling.other)
+            if name not in vehicles
+        ]
+        if coupling.vehicle == coupling.other:
+            problems.append(f"{about} vehicle {coupling.vehicle!r} twice")
+        problems += _value_problems(coupling)
+    return list(dict.fromkeys(problems))
+
+
+def _value_problems(coupling: Coupling) -> list[str]:
+    """Name a value that is missing, or that a coupling's reason does not allow."""
+    value, most = coupling.value, _MOST.get(coupling.reason)
+    if most is None:
+        allowed = "" if value is None else "none"
+    elif value is not None and 0.0 <= value <= most:
+        allowed = ""
+    else:
+        allowed = f"a number from 0 to {most:g}" if most < inf else "a number of at least 0"
+    if not allowed:
+        return []
+    pair = f"{coupling.vehicle!r} and {coupling.other!r}"
+    given = "none" if value is None else f"{value:.9g}"
+    return [
+        f"plan: the coupling of {pair} of reason {coupling.reason!r} has a value of {given}, "
+        f"allowed is {allowed}"
+    ]

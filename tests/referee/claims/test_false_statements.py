@@ -1,0 +1,109 @@
+"""Plans that state too small a saturation, or couplings that cannot be, are caught."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from referee_scenes import glider, straight_plan
+
+from radmpc.model.plan import Coupling, Risk
+from radmpc.model.scenario import Scenario
+from radmpc.referee import certify
+
+GAIN = np.array([[-0.3, 0.0, -0.9, 0.0], [0.0, -0.3, 0.0, -0.9]])
+
+
+@pytest.fixture(scope="module")
+def plan():
+    """A sound plan, whose feedback is cut off now and then."""
+    vehicles = (
+        replace(
+            glider("ann", [0, 0], [8, 0], gain=GAIN),
+            control_limit=np.full(2, 0.6),
+            control_sigmas=0.0,
+        ),
+        glider("bob", [0, 6], [8, 6]),
+    )
+    return straight_plan(Scenario("statements", 1.0, 10, 0.05, vehicles))
+
+
+def stating(plan, saturation):
+    return replace(plan, risk=replace(plan.risk, saturation=saturation))
+
+
+@pytest.mark.parametrize("share", [0.0, 1e-9, 0.5, 1.0 - 1e-5])
+def test_a_stated_saturation_that_is_too_low_is_caught(plan, share):
+    true = certify(plan).saturation
+    assert 0.0 < true < 1.0
+    certificate = certify(stating(plan, share * true))
+    assert not certificate.holds
+    assert certificate.problems == (
+        f"plan: states a saturation of {share * true:.9g}, the referee finds {true:.9g}",
+    )
+
+
+@pytest.mark.parametrize("share", [1.0 - 1e-7, 1.0, 2.0])
+def test_a_stated_saturation_that_is_an_upper_bound_holds(plan, share):
+    true = certify(plan).saturation
+    assert certify(stating(plan, share * true)).holds
+    assert certify(stating(plan, None)).holds
+
+
+@pytest.mark.parametrize(
+    ("coupling", "what"),
+    [
+        (
+            Coupling("eve", "bob", "collision", 0.5),
+            "a coupling of reason 'collision' names vehicle 'eve', who is not in the scenario",
+        ),
+        (
+            Coupling("ann", "eve", "share"),
+            "a coupling of reason 'share' names vehicle 'eve', who is not in the scenario",
+        ),
+        (
+            Coupling("ann", "ann", "blocked"),
+            "a coupling of reason 'blocked' names vehicle 'ann' twice",
+        ),
+        (
+            Coupling("ann", "bob", "risk", 1.5),
+            "the coupling of 'ann' and 'bob' of reason 'risk' has a value of 1.5, "
+            "allowed is a number from 0 to 1",
+        ),
+        (
+            Coupling("ann", "bob", "blocked", 0.5),
+            "the coupling of 'ann' and 'bob' of reason 'blocked' has a value of 0.5, "
+            "allowed is none",
+        ),
+        (
+            Coupling("ann", "bob", "range", None),
+            "the coupling of 'ann' and 'bob' of reason 'range' has a value of none, "
+            "allowed is a number of at least 0",
+        ),
+    ],
+)
+def test_a_coupling_that_cannot_be_is_caught(plan, coupling, what):
+    certificate = certify(replace(plan, couplings=(coupling, coupling)))
+    assert not certificate.holds
+    assert certificate.problems == (f"plan: {what}",)
+
+
+@pytest.mark.parametrize(
+    "coupling",
+    [
+        Coupling("ann", "bob", "collision", 2.0),
+        Coupling("ann", "bob", "risk", 1.0),
+        Coupling("ann", "bob", "blocked"),
+        Coupling("ann", "bob", "distance", 12.0),
+        Coupling("bob", "ann", "share"),
+        Coupling("ann", "bob", "range", 60.0),
+    ],
+)
+def test_couplings_as_planners_state_them_hold(plan, coupling):
+    assert certify(replace(plan, couplings=(coupling,))).holds
+
+
+def test_what_is_stated_too_low_twice_is_named_twice(plan):
+    problems = certify(replace(plan, risk=Risk(0.05, 0.0, saturation=0.0))).problems
+    assert [problem.split(" of ")[0] for problem in problems] == [
+        "plan: states a certified risk", "plan: states a saturation",
+    ]  # fmt: skip
