@@ -47,6 +47,15 @@ def test_warnings_stand_before_the_table_and_do_not_change_the_exit_code(run: Ru
     assert lines[-3].split()[-5:] == ["1.5", "m,", "2", "std:", "mole"]
 
 
+def test_the_table_tells_of_goals_that_are_due_before_the_horizon(run: Run, crossing: Path) -> None:
+    on_time = run("check", crossing).stdout
+    assert "due at" not in on_time
+    horizon, name = load_scenario(crossing).horizon, load_scenario(crossing).vehicles[0].name
+    window = f"vehicles.{name}.goal.within=[1,{horizon - 1}]"
+    early = run("check", crossing, "--set", window).stdout
+    assert f" of {horizon} steps, due at {horizon - 1} " in early
+
+
 def test_a_terminal_that_is_too_narrow_gets_a_block_per_vehicle(
     run: Run, crossing: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -236,6 +236,12 @@ def test_a_visit_that_cannot_be_is_refused(
         visited(tmp_path, point(0, 0, **{"role": "via", "vehicle": "a"} | more))
 
 
+def test_a_single_step_that_a_window_does_not_hold_is_singular(tmp_path: Path) -> None:
+    visit = point(0, 0, role="via", vehicle="a", after=10, before=20)
+    with pytest.raises(FileFormatError, match=r"holds none of 1 step of [0-9.]+ s: widen it"):
+        visited(tmp_path, visit, horizon=1)
+
+
 def test_orders_are_stated_of_all_visits_and_differ(tmp_path: Path) -> None:
     one = point(0, 0.1, role="via", vehicle="a", order=1)
     with pytest.raises(FileFormatError, match="order: is required of all"):

@@ -10,6 +10,7 @@ from radmpc.errors import ScenarioError
 from radmpc.importing.problem import ForeignVehicle, Window
 from radmpc.importing.rounding import rounded
 from radmpc.model.visits import Visit
+from radmpc.wording import count_text
 
 __all__ = ["arrival_steps", "chosen_visits"]
 
@@ -84,6 +85,6 @@ def _steps(window: Window, dt: float, horizon: int, what: str) -> tuple[int, int
     if first > last:
         raise ScenarioError(
             f"the window of {what}, from {window[0]:g} to {window[1]:g} s, holds none of "
-            f"{horizon} steps of {dt:g} s: widen it, or choose dt and horizon"
+            f"{count_text(horizon, 'step')} of {dt:g} s: widen it, or choose dt and horizon"
         )
     return first, last

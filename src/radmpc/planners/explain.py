@@ -15,13 +15,10 @@ from radmpc.planners.cures.trying import passage_sentence, reach_sentence
 from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.planner import Planner
 from radmpc.planners.policies.policy import SolveRequest
-from radmpc.planners.presolve import (
-    Reason,
-    endpoint_reasons,
-    grouped,
-    overdrawn_texts,
-    too_far_texts,
-)
+from radmpc.planners.presolve import Reason, endpoint_reasons, grouped
+from radmpc.planners.reaching.limits import reach_texts, too_fast_texts
+from radmpc.planners.reaching.reserves import overdrawn_texts
+from radmpc.planners.reaching.visiting import makes_visits
 from radmpc.planners.wording import endpoints_text, is_contact, limit_clause
 from radmpc.program.build import build_program, condensed_models
 from radmpc.program.condensed import CondensedModel
@@ -195,7 +192,7 @@ _GENERAL = "Each vehicle and each pair can be planned, but not all together with
 
 
 def unable_alone(scenario: Scenario, model: CondensedModel) -> tuple[str, str] | None:
-    """Say if a vehicle cannot even reach its goal through empty space.
+    """Say if a vehicle cannot even make its visits and reach its goal through empty space.
 
     Parameters
     ----------
@@ -209,17 +206,17 @@ def unable_alone(scenario: Scenario, model: CondensedModel) -> tuple[str, str] |
     tuple of str or None
         What follows "Vehicle 'name'", and the same of several vehicles.
     """
-    overdrawn = overdrawn_texts(model)
-    if overdrawn is not None:
-        return overdrawn
+    sure = overdrawn_texts(model) or too_fast_texts(model)
+    if sure is not None:
+        return sure
     alone = _without_hazards(scenario, model)
-    if _arrives_alone(alone, model):
+    if _is_able_alone(alone, model):
         return None
-    texts, outside = too_far_texts(scenario, model), outside_norms(model.vehicle)
+    texts, outside = reach_texts(scenario, model), outside_norms(model.vehicle)
     if outside is model.vehicle:
         return texts
     beyond = replace(alone, vehicles=(outside,))
-    if not _arrives_alone(beyond, *condensed_models(beyond)):
+    if not _is_able_alone(beyond, *condensed_models(beyond)):
         return texts
     # The limits themselves may be enough, and what keeps to a polytope within them is not.
     kept = "limits, of whose norms plans keep to a polytope within"
@@ -227,11 +224,11 @@ def unable_alone(scenario: Scenario, model: CondensedModel) -> tuple[str, str] |
     return one, many
 
 
-def _arrives_alone(alone: Scenario, model: CondensedModel) -> bool:
-    """Whether a linear program leads a vehicle through empty space, or HiGHS cannot tell."""
+def _is_able_alone(alone: Scenario, model: CondensedModel) -> bool:
+    """Whether linear programs lead a vehicle through empty space, or cannot tell."""
     empty = build_program(alone, [model], risk_bound=alone.risk_bound)
     outcome, _ = WarmLp(empty, np.zeros(empty.rows.count)).solve()
-    return outcome is not LpOutcome.INFEASIBLE
+    return outcome is not LpOutcome.INFEASIBLE and makes_visits(model) is not False
 
 
 def _without_hazards(scenario: Scenario, model: CondensedModel) -> Scenario:

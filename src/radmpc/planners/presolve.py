@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard, Floors, floors
 from radmpc.planners.endpoints.screening import are_surely_harmless
@@ -27,10 +25,7 @@ __all__ = [
     "endpoint_reasons",
     "grouped",
     "hazards_of",
-    "overdrawn_texts",
-    "reserve_reason",
     "sure_reasons",
-    "too_far_texts",
 ]
 
 _GROUPED = 3
@@ -38,13 +33,6 @@ _GROUPED = 3
 
 _TOLD = 8
 """Sentences at most [-]; one more says how many are left out."""
-
-_NOTICED = 0.5
-"""Share of the control limit from which on what feedback reserves is worth telling [-]."""
-
-
-_UNREACHED = 1e-6
-"""Distance from a box from which it counts as out of reach [m]: reach is exact up to rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +70,13 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
     list of Reason
         Empty where nothing is wrong at first sight.
     """
+    # Checks borrow words from here, and load no solver for them.
+    from radmpc.planners.reaching.limits import sure_reach_texts  # noqa: PLC0415 - for planners alone
+    from radmpc.planners.reaching.reserves import overdrawn_texts  # noqa: PLC0415 - for planners alone
+
     reasons = []
     for i, model in enumerate(models):
-        reason = overdrawn_texts(model) or _too_far(scenario, model) or _beyond_reach(model)
+        reason = overdrawn_texts(model) or sure_reach_texts(scenario, model)
         if reason is not None:
             reasons.append(Reason((i,), *reason))
     if not are_surely_harmless(scenario, models):
@@ -134,106 +126,6 @@ def grouped(
             told.append((members, f"Vehicles {listed([names[i] for i in members])} {many}"))
     hidden = len(told) - _TOLD
     return [*told[:_TOLD], (None, f"There are {hidden} more reasons.")] if hidden > 0 else told
-
-
-def reserve_reason(model: CondensedModel) -> str | None:
-    """Say how much control the feedback keeps back, where that is much of it.
-
-    Returns
-    -------
-    str or None
-        What follows "the feedback"; None without feedback, or where it takes little.
-    """
-    vehicle = model.vehicle
-    if vehicle.gain is None:
-        return None
-    reserves = vehicle.control_limit - model.control_bounds
-    step, axis = (
-        int(k)
-        for k in np.unravel_index((reserves / vehicle.control_limit).argmax(), reserves.shape)
-    )
-    kept, limit = float(reserves[step, axis]), float(vehicle.control_limit[axis])
-    if kept < _NOTICED * limit:
-        return None
-    unit = " m/s²" if vehicle.system.is_double_integrator else ""
-    return (
-        f"keeps back {kept:.3g} of {limit:.3g}{unit} on axis {axis} at step {step} "
-        f"({vehicle.control_sigmas:g} standard deviations)"
-    )
-
-
-def overdrawn_texts(model: CondensedModel) -> tuple[str, str] | None:
-    """Say that feedback takes more control than there is."""
-    if np.all(model.control_bounds >= 0.0):
-        return None
-    step, axis = (int(k) for k in np.argwhere(model.control_bounds < 0.0)[0])
-    vehicle = model.vehicle
-    limit = float(vehicle.control_limit[axis])
-    unit = " m/s²" if vehicle.system.is_double_integrator else ""
-    text = (
-        f"has no control left to steer: at step {step} the feedback alone takes more than control "
-        f"axis {axis} allows, it keeps back {limit - model.control_bounds[step, axis]:.3g} of "
-        f"{limit:.3g}{unit} ({vehicle.control_sigmas:g} standard deviations)."
-    )
-    return text, text.replace("has no", "have no", 1)
-
-
-def _too_far(scenario: Scenario, model: CondensedModel) -> tuple[str, str] | None:
-    """Say that full throttle does not lead to the goal in time, axis by axis."""
-    missing = model.reach_lower - model.reach_upper
-    if np.all(missing <= 1e-6):
-        return None
-    return too_far_texts(scenario, model)
-
-
-def _beyond_reach(model: CondensedModel) -> tuple[str, str] | None:
-    """Say that full throttle does not lead to a box and on to the goal in time."""
-    if not model.vehicle.via:
-        return None
-    from radmpc.model.visits import steps_of_visits  # noqa: PLC0415 - few visit anything
-
-    via = model.vehicle.via
-    for j, (first, last) in enumerate(steps_of_visits(via, model.horizon)):
-        during = slice(first, last + 1)
-        gap = np.maximum(
-            model.reach_lower[during] - via[j].upper, via[j].lower - model.reach_upper[during]
-        )
-        if float(gap.max(axis=1).min()) > _UNREACHED:
-            text = (
-                f"cannot be in the box of via[{j}] at any step from {first} to {last} and at its "
-                "goal in time under its control and speed limits, obstacles aside."
-            )
-            many = text.replace("its goal", "their goals").replace("its control", "their control")
-            return text, many
-    return None
-
-
-def too_far_texts(scenario: Scenario, model: CondensedModel) -> tuple[str, str]:
-    """Return the sentence that a goal is out of reach.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The fleet.
-    model : CondensedModel
-        The vehicle over the whole horizon.
-
-    Returns
-    -------
-    pair of str
-        What follows "Vehicle 'name'", and the same of several vehicles.
-    """
-    seconds = scenario.horizon * scenario.dt
-    kept = reserve_reason(model)
-    because = f" (the feedback {kept})" if kept else ""
-    end = (
-        f" within {scenario.horizon} steps ({seconds:g} s) under its control and speed "
-        f"limits{because}, obstacles aside."
-    )
-    return (
-        f"cannot reach its goal{end}",
-        f"cannot reach their goals{end.replace(' its ', ' their ')}",
-    )
 
 
 def endpoint_reasons(scenario: Scenario, floors: Floors) -> list[Reason]:

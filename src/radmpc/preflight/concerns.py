@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from math import ceil
 from typing import Literal
 
 import numpy as np
@@ -15,13 +14,13 @@ from radmpc.preflight.cures import (
     control_cures,
     deviation_cures,
     saturation_cures,
-    time_cures,
     visit_cures,
 )
 from radmpc.preflight.endpoint_concerns import describe_endpoints
 from radmpc.preflight.narrow_concerns import describe_narrow, narrow_cures
 from radmpc.preflight.noise import NoiseKind, noise_warnings, quiet_axes
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
+from radmpc.preflight.time_concerns import describe_time, describe_unable
 from radmpc.records import dataclass
 
 __all__ = ["Concern", "Kind", "concerns_of"]
@@ -29,13 +28,6 @@ __all__ = ["Concern", "Kind", "concerns_of"]
 Kind = (
     Literal["control", "time", "visit", "endpoint", "narrow", "saturation", "deviation"] | NoiseKind
 )
-
-_TIGHT = 0.9
-"""Share of the horizon that the least time may take before it is a concern [-]. Of the drawn
-scenarios whose cure was a longer horizon the tightest took 0.92 of it; `harbor` takes 0.75."""
-
-_ROOMY = 1.3
-"""Multiple of the least time that is recommended as the horizon [-]: imports choose 1.5."""
 
 _MUCH = 0.5
 """Share of the control limit that feedback may keep back before it is a concern [-]."""
@@ -153,12 +145,6 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
     """Yield what is to be said of one vehicle."""
     yield from _control(scenario, vehicle, seen)
     yield from _time(scenario, vehicle, seen)
-    if seen.visits:
-        from radmpc.preflight.visits import describe_visits  # noqa: PLC0415 - few visit anything
-
-        for text, weight in describe_visits(vehicle, seen.visits, scenario.horizon):
-            cures = partial(visit_cures, scenario, vehicle)
-            yield _Found("visit", seen.name, text, weight, is_fatal=weight > 1.0, cures=cures)
     for text, weight in describe_narrow(scenario, seen):
         yield _Found("narrow", seen.name, text, weight, cures=partial(narrow_cures, scenario, seen))
     most = _SMALL * scenario.risk_bound
@@ -207,33 +193,24 @@ def _control(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iter
 
 
 def _time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterator[_Found]:
-    """Yield what is to be said of the horizon."""
-    least, horizon = seen.least_steps_with_feedback, scenario.horizon
-    if seen.reserve.share > 1.0 or (least is not None and least <= _TIGHT * horizon):
-        return  # without control no horizon helps
-    seconds = f"{horizon} steps ({horizon * scenario.dt:g} s)"
-    if least is None:
-        cures = time_cures(scenario, vehicle)
-        text = (
-            f"goal out of reach in many times the horizon of {seconds}, with nothing in the way: "
-            f"check units{', or ' if cures else ''}{cures}"
-        )
-        yield _Found("time", seen.name, text, np.inf, is_fatal=True)
+    """Yield what is to be said of the horizon, windows and visits."""
+    unable = describe_unable(scenario, vehicle)
+    if unable is not None and unable.kind == "time":
+        yield _Found("time", seen.name, unable.text, unable.weight, True, cures=unable.cures)
         return
-    whole = seen.least_steps
-    kept = f", {whole} without feedback" if whole is not None and whole < least else ""
-    head = f"goal {least} steps away at least{kept}, horizon {seconds}"
-    more = max(ceil(_ROOMY * least), horizon + 1)
-    if least > horizon:
-        cures = time_cures(scenario, vehicle)
-        text = f"{head}: lengthen it to {least} or more{', or ' if cures else ''}{cures}"
-    else:
-        left = horizon - least
-        text = (
-            f"{head}: {'none is' if left == 0 else f'only {left} are' if left > 1 else 'only 1 is'}"
-            f" left for paths around obstacles and others; lengthen it to about {more}"
-        )
-    yield _Found("time", seen.name, text, least / horizon, least > horizon, more)
+    time = describe_time(scenario, vehicle, seen)
+    if time is not None:
+        yield _Found("time", seen.name, time.text, time.weight, time.is_fatal, time.horizon)
+    visits: list[tuple[str, float]] = []
+    if seen.visits:
+        from radmpc.preflight.visits import describe_visits  # noqa: PLC0415 - few visit anything
+
+        visits = list(describe_visits(vehicle, seen.visits, scenario.horizon))
+    if unable is not None and not any(weight == np.inf for _, weight in visits):
+        visits = [(unable.text, unable.weight)]
+    for text, weight in visits:
+        cures = partial(visit_cures, scenario, vehicle)
+        yield _Found("visit", seen.name, text, weight, is_fatal=weight > 1.0, cures=cures)
 
 
 def _grouped(found: Sequence[_Found]) -> Iterator[Concern]:

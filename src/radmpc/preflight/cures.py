@@ -108,9 +108,9 @@ def visit_cures(scenario: Scenario, vehicle: Vehicle) -> str:
     """
     from radmpc.preflight.visits import is_in_time  # noqa: PLC0415 - few visit anything
 
-    longer = (n for n in longer_horizons(scenario) if is_in_time(vehicle, n))
+    longer = (n for n in longer_horizons(scenario) if is_in_time(scenario, vehicle, n))
     found = [f"lengthen the horizon to {horizon}" for horizon in islice(longer, 1)]
-    found += _faster(vehicle, lambda one: is_in_time(one, scenario.horizon))
+    found += _faster(vehicle, lambda one: is_in_time(scenario, one, scenario.horizon))
     return ", or ".join(found)
 
 

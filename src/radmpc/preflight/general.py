@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.errors import ScenarioError
+from radmpc.model.limits import outside_norms
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.planners.explain import unable_alone
+from radmpc.planners.reaching.limits import (
+    is_late_whatever_horizon,
+    reach_texts,
+    too_fast_texts,
+)
+from radmpc.planners.reaching.visiting import makes_visits, reaches_goal
 from radmpc.program.build import build_program, condensed_models, controls_of
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
 
-__all__ = ["arrives", "cheapest", "reach"]
+__all__ = ["arrives", "cheapest", "makes_all_visits", "reach", "why_unable"]
 
 
 def arrives(scenario: Scenario, vehicle: Vehicle, horizon: int) -> bool:
@@ -35,6 +44,60 @@ def arrives(scenario: Scenario, vehicle: Vehicle, horizon: int) -> bool:
     except ScenarioError:  # a state that grows too far
         return False
     return unable_alone(alone, model) is None
+
+
+def why_unable(scenario: Scenario, vehicle: Vehicle) -> tuple[Literal["time", "visit"], str] | None:
+    """Return why limits leave a vehicle no plan, whatever the horizon, or with its visits.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose step and horizon count.
+    vehicle : Vehicle
+        With its visits, the window of its arrival, and its feedback.
+
+    Returns
+    -------
+    pair of str or None
+        What it is about, and what planners say after the vehicle's name, without a full stop; None
+        where there is no such reason, or where that would take long to tell.
+    """
+    # What polytopes within norms rule out, the norms themselves may allow.
+    alone, model = _alone(scenario, outside_norms(vehicle), scenario.horizon)
+    if np.any(model.control_bounds < 0.0):
+        return None
+    fast = too_fast_texts(model)
+    if fast is not None:
+        return "time", fast[0].rstrip(".")
+    if is_late_whatever_horizon(model):
+        return "time", reach_texts(alone, model)[0].rstrip(".")
+    if makes_visits(model) is False and reaches_goal(model, vehicle.goal.within):
+        return "visit", reach_texts(alone, model)[0].rstrip(".")
+    return None
+
+
+def makes_all_visits(scenario: Scenario, vehicle: Vehicle, horizon: int) -> bool:
+    """Whether a vehicle makes its visits and reaches its goal in empty space, as far as is known.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose step counts.
+    vehicle : Vehicle
+        With its visits and its feedback.
+    horizon : int
+        Number of steps.
+
+    Returns
+    -------
+    bool
+        False is proven; of many visits that may take too many linear programs.
+    """
+    try:
+        _, model = _alone(scenario, vehicle, horizon)
+    except ScenarioError:  # a state that grows too far
+        return False
+    return makes_visits(model) is not False
 
 
 def cheapest(scenario: Scenario, vehicle: Vehicle) -> Matrix | None:

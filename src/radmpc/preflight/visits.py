@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import steps_of_visits
 from radmpc.preflight.pace import ARRIVED, Pace
@@ -140,11 +141,13 @@ def describe_visits(
     yield text, float("inf")
 
 
-def is_in_time(vehicle: Vehicle, horizon: int) -> bool:
+def is_in_time(scenario: Scenario, vehicle: Vehicle, horizon: int) -> bool:
     """Whether a vehicle makes its visits and reaches its goal after them, with some time left.
 
     Parameters
     ----------
+    scenario : Scenario
+        Whose step counts.
     vehicle : Vehicle
         With visits.
     horizon : int
@@ -155,4 +158,8 @@ def is_in_time(vehicle: Vehicle, horizon: int) -> bool:
         return False
     bounds = np.maximum(vehicle.control_bounds(vehicle.covariances(horizon)), 0.0)
     earliest = earliest_visits(vehicle, pace, bounds)
-    return not list(describe_visits(vehicle, earliest, horizon))
+    if list(describe_visits(vehicle, earliest, horizon)):
+        return False
+    from radmpc.preflight.general import makes_all_visits  # noqa: PLC0415 - a solver
+
+    return makes_all_visits(scenario, vehicle, horizon)

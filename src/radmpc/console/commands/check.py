@@ -11,9 +11,11 @@ from radmpc.console.running.guard import Code
 from radmpc.console.words import scenario_line
 from radmpc.model.relations.goals import places_of
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
 from radmpc.preflight.concerns import Concern, concerns_of
 from radmpc.preflight.outlook import Outlook, VehicleOutlook, outlook_of
 from radmpc.preflight.places import Narrowest, Passage
+from radmpc.wording import count_text
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -103,7 +105,8 @@ def check_report(outlook: Outlook, concerns: Sequence[Concern]) -> list[Renderab
         What to warn of.
     """
     head = f"valid: {scenario_line(outlook.scenario)}"
-    rows = [_COLUMNS, *(_row(outlook.scenario, seen) for seen in outlook.vehicles)]
+    vehicles = zip(outlook.scenario.vehicles, outlook.vehicles, strict=True)
+    rows = [_COLUMNS, *(_row(outlook.scenario.horizon, *one) for one in vehicles)]
     widest = [max(len(row[k]) for row in rows) for k in range(len(_COLUMNS))]
     warnings = [_warning(concern) for concern in concerns]
     parts: list[RenderableType] = [head, *_goals(outlook.scenario), *warnings, ""]
@@ -158,12 +161,13 @@ def _blocks(rows: Sequence[Sequence[str]]) -> list[RenderableType]:
     return lines
 
 
-def _row(scenario: Scenario, seen: VehicleOutlook) -> tuple[str, ...]:
+def _row(horizon: int, vehicle: Vehicle, seen: VehicleOutlook) -> tuple[str, ...]:
     """Return the cells of one vehicle, in letters that every terminal has."""
-    least = seen.least_steps_with_feedback
+    least, due = seen.least_steps_with_feedback, vehicle.goal.window(horizon)[1]
+    time = f"{'-' if least is None else least} of {count_text(horizon, 'step')}"
     return (
         seen.name,
-        f"{'-' if least is None else least} of {scenario.horizon} steps",
+        f"{time}, due at {due}" if due < horizon else time,
         f"{100.0 * seen.reserve.share:.0f} %" if seen.reserve.share else "-",
         _risk(seen.saturation, scenario.risk_bound),
         f"{seen.end_deviation:.3g} m",

@@ -21,6 +21,7 @@ __all__ = [
     "longer_horizons",
     "longer_text",
     "regulated",
+    "softened",
     "vehicle_with_noise",
     "with_horizon",
     "with_noise",
@@ -130,6 +131,35 @@ def regulated(vehicle: Vehicle, weight: float) -> Vehicle | None:
         return replace(vehicle, gain=gain)
     except ScenarioError:
         return None
+
+
+def softened(vehicle: Vehicle, weight: float, horizon: int) -> Vehicle | None:
+    """Return a vehicle under a regulator with Q = 1 that is softer than what it has.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    weight : float
+        R of its control [-].
+    horizon : int
+        Number of steps T.
+
+    Returns
+    -------
+    Vehicle or None
+        None where that is no softer, or takes all control.
+    """
+    candidate = regulated(vehicle, weight)
+    if candidate is None:
+        return None
+    left = candidate.control_bounds(candidate.covariances(horizon)).min()
+    if left < 0.0:
+        return None
+    if vehicle.gain is None:
+        return candidate
+    before = vehicle.control_bounds(vehicle.covariances(horizon)).min()
+    return candidate if left > before + 1e-9 else None
 
 
 def vehicle_with_noise(vehicle: Vehicle, factor: float) -> Vehicle:

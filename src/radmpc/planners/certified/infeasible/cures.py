@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from radmpc.errors import ScenarioError
 from radmpc.model.obstacle import MovingShape
 from radmpc.model.scenario import Scenario
-from radmpc.model.vehicle import Vehicle
 from radmpc.planners.certified.infeasible.least_risk import feasible_within
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.cures.endpoints import endpoint_cures
 from radmpc.planners.cures.variants import (
     helps_sentence,
     longer_text,
-    regulated,
+    softened,
     with_horizon,
     with_noise,
 )
+from radmpc.planners.cures.windows import later_window
 from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.explain import unable_alone
-from radmpc.planners.presolve import hazards_of, reserve_reason
+from radmpc.planners.presolve import hazards_of
+from radmpc.planners.reaching.limits import is_late_whatever_horizon, too_fast_texts
+from radmpc.planners.reaching.reserves import reserve_reason
 from radmpc.planners.within_norms import models_within_norms
 from radmpc.planners.wording import listed
 from radmpc.program.build import condensed_models
+from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass
 from radmpc.solvers.solution import Limits
 
@@ -61,14 +64,15 @@ def find_cures(scenario: Scenario, limits: Limits) -> Cures:
     Cures
         Only what led to a plan within Δ by union bounds counts as found.
     """
-    found: list[str] = []
-    failed: list[str] = []
-    horizon = _longer(scenario, limits.within(TUNING.seconds))
-    if isinstance(horizon, int):
-        found.append(longer_text(scenario, horizon))
-    elif horizon:
-        failed.append(horizon)
+    models = models_within_norms(scenario)
+    if any(too_fast_texts(model) is not None for model in models):
+        return Cures((), ())  # other limits or another start help
+    found, failed = _more_time(scenario, models, limits.within(TUNING.seconds))
     has_gain = any(v.gain is not None for v in scenario.vehicles)
+    is_short = not has_gain and any(unable_alone(scenario, one) is not None for one in models)
+    if is_short and (found or not failed):
+        # Out of reach with all of its control: noise has no part in it, feedback leaves less.
+        return Cures(tuple(found), ())
     feedback = _feedback(scenario, limits.within(TUNING.seconds))
     if feedback is not None:
         found.append(f"{'soften the' if has_gain else 'add'} feedback ({feedback})")
@@ -153,6 +157,24 @@ def has_plan_within(scenario: Scenario, limits: Limits) -> bool:
         When to stop looking.
     """
     return feasible_within(scenario, limits) is True
+
+
+def _more_time(
+    scenario: Scenario, models: Sequence[CondensedModel], limits: Limits
+) -> tuple[list[str], list[str]]:
+    """Return which later end of windows or of the horizon does, and what was tried in vain."""
+    late = [i for i, model in enumerate(models) if is_late_whatever_horizon(model)]
+    if late:
+
+        def does(changed: Scenario) -> bool:
+            return has_plan_within(changed, limits.within(TUNING.trial_seconds))
+
+        later = later_window(scenario, late, does, limits)
+        return ([later], []) if later else ([], [])
+    horizon = _longer(scenario, limits)
+    if isinstance(horizon, int):
+        return [longer_text(scenario, horizon)], []
+    return [], [horizon] if horizon else []
 
 
 def _longer(scenario: Scenario, limits: Limits) -> int | str:
@@ -244,27 +266,13 @@ def _softer(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
     One that takes all control is none.
     """
     for weight in TUNING.weights if _is_noisy(scenario) else ():
-        candidates = [_regulated(v, weight, scenario.horizon) for v in scenario.vehicles]
+        candidates = [softened(v, weight, scenario.horizon) for v in scenario.vehicles]
         if any(v is None for v in candidates):
             continue
         try:
             yield weight, scenario.with_vehicles(v for v in candidates if v is not None)
         except ScenarioError:
             continue
-
-
-def _regulated(vehicle: Vehicle, weight: float, horizon: int) -> Vehicle | None:
-    """Return a vehicle under a regulator; None where that is no softer, or takes all control."""
-    candidate = regulated(vehicle, weight)
-    if candidate is None:
-        return None
-    left = candidate.control_bounds(candidate.covariances(horizon)).min()
-    if left < 0.0:
-        return None
-    if vehicle.gain is None:
-        return candidate
-    before = vehicle.control_bounds(vehicle.covariances(horizon)).min()
-    return candidate if left > before + 1e-9 else None
 
 
 def _quieter(scenario: Scenario, limits: Limits) -> float | None:

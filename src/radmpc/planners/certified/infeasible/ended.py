@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.presolve import reserve_reason
+from radmpc.planners.reaching.reserves import reserve_reason
 from radmpc.planners.wording import limit_clause
 from radmpc.program.condensed import CondensedModel
 from radmpc.solvers.solution import Limits

@@ -1,0 +1,55 @@
+"""A later end of the window of arrival, for vehicles that are late for theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from radmpc.model.scenario import Scenario
+from radmpc.solvers.solution import Limits
+
+__all__ = ["later_window"]
+
+
+def later_window(
+    scenario: Scenario, late: Sequence[int], does: Callable[[Scenario], bool], limits: Limits
+) -> str | None:
+    """Return the advice to let windows of arrival end later.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        These vehicles alone.
+    late : sequence of int
+        Vehicles that cannot be at their goals by the ends of their windows.
+    does : callable
+        Whether a changed scenario has a plan.
+    limits : Limits
+        When to stop trying.
+
+    Returns
+    -------
+    str or None
+        The earliest end that is found to do; None where that of the horizon does not.
+    """
+    ends = [scenario.vehicles[i].goal.window(scenario.horizon)[1] for i in late]
+    failed, works = max(ends), scenario.horizon
+    if not does(_ending_at(scenario, late, works)):
+        return None
+    while works - failed > 1 and not limits.reached:
+        middle = (failed + works) // 2
+        if does(_ending_at(scenario, late, middle)):
+            works = middle
+        else:
+            failed = middle
+    return f"let `goal.within` end at step {works} ({works * scenario.dt:g} s)"
+
+
+def _ending_at(scenario: Scenario, late: Sequence[int], step: int) -> Scenario:
+    """Return a scenario whose late vehicles' windows end at a step."""
+    vehicles = list(scenario.vehicles)
+    for i in late:
+        goal = vehicles[i].goal
+        first = goal.window(scenario.horizon)[0]
+        vehicles[i] = replace(vehicles[i], goal=replace(goal, within=(first, step)))
+    return replace(scenario, vehicles=tuple(vehicles))
