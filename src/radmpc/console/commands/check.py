@@ -106,7 +106,7 @@ def check_report(outlook: Outlook, concerns: Sequence[Concern]) -> list[Renderab
     """
     head = f"valid: {scenario_line(outlook.scenario)}"
     vehicles = zip(outlook.scenario.vehicles, outlook.vehicles, strict=True)
-    rows = [_COLUMNS, *(_row(outlook.scenario.horizon, *one) for one in vehicles)]
+    rows = [_COLUMNS, *(_row(outlook.scenario, *one) for one in vehicles)]
     widest = [max(len(row[k]) for row in rows) for k in range(len(_COLUMNS))]
     warnings = [_warning(concern) for concern in concerns]
     parts: list[RenderableType] = [head, *_goals(outlook.scenario), *warnings, ""]
@@ -161,18 +161,19 @@ def _blocks(rows: Sequence[Sequence[str]]) -> list[RenderableType]:
     return lines
 
 
-def _row(horizon: int, vehicle: Vehicle, seen: VehicleOutlook) -> tuple[str, ...]:
+def _row(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> tuple[str, ...]:
     """Return the cells of one vehicle, in letters that every terminal has."""
+    horizon, bound = scenario.horizon, scenario.risk_bound
     least, due = seen.least_steps_with_feedback, vehicle.goal.window(horizon)[1]
     time = f"{'-' if least is None else least} of {count_text(horizon, 'step')}"
     return (
         seen.name,
         f"{time}, due at {due}" if due < horizon else time,
         f"{100.0 * seen.reserve.share:.0f} %" if seen.reserve.share else "-",
-        _risk(seen.saturation, scenario.risk_bound),
+        _risk(seen.saturation, bound),
         f"{seen.end_deviation:.3g} m",
-        _risk(seen.start_risk, scenario.risk_bound),
-        _risk(seen.goal_risk, scenario.risk_bound),
+        _risk(seen.start_risk, bound),
+        _risk(seen.goal_risk, bound),
         _place(seen.narrowest),
     )
 
