@@ -225,6 +225,7 @@ def _box_risks(encounters: Encounters) -> Matrix:
     beside = np.maximum(lower - encounters.means, encounters.means - upper)
     distances = np.linalg.norm(np.maximum(beside, 0.0), axis=2) - encounters.radii[:, None]
     # The trace is no less than the largest variance, which bounds risks of half-spaces that hold.
-    deviations = np.sqrt(np.trace(encounters.covariances, axis1=2, axis2=3))
+    variances = np.trace(encounters.covariances, axis1=2, axis2=3)
+    deviations = np.sqrt(variances.clip(min=0.0))  # noise that cancels, up to rounding
     held = exceeding(in_deviations(distances, deviations), encounters.samples)
     return np.where(distances > 0.0, held, 1.0)
