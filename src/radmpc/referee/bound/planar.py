@@ -62,9 +62,9 @@ def grown_polygon_risks(
     Returns
     -------
     (S,) array
-        Not below the true value. Relatively at most 1e-6 above it where deviations are larger than
-        1e-10 of the coordinates, and the set and its chords not thinner than 1e-6 deviations;
-        measured 6e-5 where one deviation is 1e7 times the other.
+        Not below the true value. Along the best half-space relatively at most 1e-6 above it where
+        deviations are larger than 1e-10 of the coordinates, and the set and its chords not thinner
+        than 1e-6 deviations; measured 6e-5 where one deviation is 1e7 times the other.
     """
     result = bounds.copy()
     variances = np.diagonal(covariances, axis1=1, axis2=2)
