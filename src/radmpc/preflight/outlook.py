@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
@@ -261,7 +262,5 @@ def _least(arrives: Callable[[int], bool], horizon: int, is_resting: bool) -> in
         failed, works = works, 2 * works
         if works > _MOST_TIMES * horizon:
             return None
-    while works - failed > 1:
-        middle = (failed + works) // 2
-        failed, works = (failed, middle) if arrives(middle) else (middle, works)
-    return works
+    between = range(failed + 1, works)
+    return between.start + bisect_left(between, True, key=arrives)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from radmpc.model.scenario import Scenario
-from radmpc.solvers.solution import Limits
 
 __all__ = ["later_window"]
 
 
 def later_window(
-    scenario: Scenario, late: Sequence[int], does: Callable[[Scenario], bool], limits: Limits
+    scenario: Scenario, late: Sequence[int], does: Callable[[Scenario], bool]
 ) -> str | None:
     """Return the advice to let windows of arrival end later.
 
@@ -23,9 +23,7 @@ def later_window(
     late : sequence of int
         Vehicles that cannot be at their goals by the ends of their windows.
     does : callable
-        Whether a changed scenario has a plan.
-    limits : Limits
-        When to stop trying.
+        Whether a changed scenario has a plan; False once time is up.
 
     Returns
     -------
@@ -36,12 +34,10 @@ def later_window(
     failed, works = max(ends), scenario.horizon
     if not does(_ending_at(scenario, late, works)):
         return None
-    while works - failed > 1 and not limits.reached:
-        middle = (failed + works) // 2
-        if does(_ending_at(scenario, late, middle)):
-            works = middle
-        else:
-            failed = middle
+    later = range(failed + 1, works)
+    works = later.start + bisect_left(
+        later, True, key=lambda step: does(_ending_at(scenario, late, step))
+    )
     return f"let `goal.within` end at step {works} ({works * scenario.dt:g} s)"
 
 

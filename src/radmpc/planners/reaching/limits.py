@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
+
 import numpy as np
 
 from radmpc.model.scenario import Scenario
@@ -161,14 +163,8 @@ def _earliest(model: CondensedModel, failed: int, horizon: int) -> int | None:
     """Return the first step from which on a vehicle can be at its goal until the horizon."""
     if not reaches_goal(model, None):
         return None
-    works = horizon
-    while works - failed > 1:
-        middle = (failed + works) // 2
-        if reaches_goal(model, (1, middle)):
-            works = middle
-        else:
-            failed = middle
-    return works
+    later = range(failed + 1, horizon)
+    return later.start + bisect_left(later, True, key=lambda step: reaches_goal(model, (1, step)))
 
 
 def _beyond_reach(model: CondensedModel) -> Texts | None:

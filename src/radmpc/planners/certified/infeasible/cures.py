@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 from radmpc.errors import ScenarioError
 from radmpc.model.obstacle import MovingShape
@@ -169,7 +171,7 @@ def _more_time(
         def does(changed: Scenario) -> bool:
             return has_plan_within(changed, limits.within(TUNING.trial_seconds))
 
-        later = later_window(scenario, late, does, limits)
+        later = later_window(scenario, late, does)
         return ([later], []) if later else ([], [])
     horizon = _longer(scenario, limits)
     if isinstance(horizon, int):
@@ -189,7 +191,9 @@ def _longer(scenario: Scenario, limits: Limits) -> int | str:
     while last < most and not limits.reached:
         tried = min(last + step, most)
         if _does(scenario, tried, limits):
-            return _shortest(scenario, last, tried, limits)
+            between = range(last + 1, tried)
+            does = partial(_does, scenario, limits=limits)
+            return between.start + bisect_left(between, True, key=does)
         last, step = tried, 2 * step
     return f"a horizon of {last} steps" if last > begun else ""
 
@@ -201,13 +205,8 @@ def _least_time(scenario: Scenario, limits: Limits) -> int:
         failed, works = works, works + (works + 1) // 2
         if limits.reached or works > TUNING.most_times * scenario.horizon:
             return scenario.horizon
-    while works - failed > 1:
-        middle = (failed + works) // 2
-        if _reaches(scenario, middle):
-            works = middle
-        else:
-            failed = middle
-    return works
+    between = range(failed + 1, works)
+    return between.start + bisect_left(between, True, key=partial(_reaches, scenario))
 
 
 def _reaches(scenario: Scenario, horizon: int) -> bool:
@@ -218,19 +217,8 @@ def _reaches(scenario: Scenario, horizon: int) -> bool:
     return all(unable_alone(longer, s) is None for s in models_within_norms(longer))
 
 
-def _shortest(scenario: Scenario, failed: int, works: int, limits: Limits) -> int:
-    """Return the shortest horizon that is found to do between two."""
-    while works - failed > 1 and not limits.reached:
-        middle = (failed + works) // 2
-        if _does(scenario, middle, limits):
-            works = middle
-        else:
-            failed = middle
-    return works
-
-
 def _does(scenario: Scenario, horizon: int, limits: Limits) -> bool:
-    """Whether a horizon gives a plan."""
+    """Whether a horizon gives a plan; not once time is up."""
     longer = with_horizon(scenario, horizon)
     if longer is None:
         return False
