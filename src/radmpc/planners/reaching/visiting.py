@@ -18,6 +18,7 @@ from radmpc.program.visits.rows import rows_at
 from radmpc.records import replace
 from radmpc.solvers.lp.choosing import bounded_lp
 from radmpc.solvers.lp.outcome import LpOutcome
+from radmpc.solvers.lp.switched_rows import SwitchedRows
 
 __all__ = ["UNREACHED", "makes_visits", "reaches_goal", "without_visits"]
 
@@ -121,32 +122,21 @@ class _Search:
         bounds = np.maximum(np.tile(model.control_bounds.ravel(), 2), 0.0)
         self._lp = bounded_lp(np.ones(bounds.size), np.zeros(bounds.size), bounds)
         self._lp.add_rows(csr_array(np.hstack([rows, -rows])), lower, upper)
-        self._rows: dict[tuple[int, int], tuple[list[int], Vector, Vector]] = {}
-        self._active: set[tuple[int, int]] = set()
+        self._visits = SwitchedRows(self._lp, self._rows_at)
         self._windows = windows_of(model) if model.vehicle.via else ()
         self.root: Steps = tuple(a if a == b else None for a, b in self._windows)
 
     def solve(self, steps: Steps) -> LpOutcome:
         """Solve it with some visits at steps, the others left out."""
-        target = {(j, k) for j, k in enumerate(steps) if k is not None}
-        for key in self._active - target:
-            numbers, lower, _ = self._rows[key]
-            free = np.full(lower.size, np.inf)
-            self._lp.bound_rows(numbers, -free, free)
-        for key in sorted(target - self._active):
-            if key in self._rows:
-                self._lp.bound_rows(*self._rows[key])
-            else:
-                self._add(*key)
-        self._active = target
+        self._visits.ask_for({(j, k) for j, k in enumerate(steps) if k is not None})
         self.solves += 1
         return self._lp.solve()[0]
 
-    def _add(self, visit: int, step: int) -> None:
-        """Add the rows of a visit at a step."""
+    def _rows_at(self, key: tuple[int, int]) -> tuple[csr_array, Vector, Vector]:
+        """Return the rows of a visit at a step."""
+        visit, step = key
         rows, lower, upper = rows_at(self._model, self._model.vehicle.via[visit], step)
-        begin = self._lp.add_rows(csr_array(np.hstack([rows, -rows])), lower, upper)
-        self._rows[visit, step] = (list(range(begin, begin + lower.size)), lower, upper)
+        return csr_array(np.hstack([rows, -rows])), lower, upper
 
     def missed(self) -> Matrix:
         """Return by how much the last path misses each box, or its speed, at each step, (v, T+1).

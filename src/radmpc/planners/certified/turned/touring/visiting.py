@@ -26,6 +26,7 @@ from radmpc.program.visits.steps import at_steps
 from radmpc.records import dataclass, replace
 from radmpc.solvers.lp.choosing import bounded_lp
 from radmpc.solvers.lp.outcome import LpOutcome
+from radmpc.solvers.lp.switched_rows import SwitchedRows
 
 __all__ = ["GoodVisits", "VisitLp", "at_good_visits", "good_steps"]
 
@@ -218,8 +219,7 @@ class VisitLp:
         )
         nothing = np.zeros((len(rows), self._count))
         self._lp.add_rows(csr_array(np.hstack([rows, -rows, nothing])), lower, upper)
-        self._rows: dict[tuple[int, int], tuple[list[int], Vector]] = {}
-        self._active: set[tuple[int, int]] = set()
+        self._boxes = SwitchedRows(self._lp, self._rows_at)
 
     def cost(self, steps: Sequence[int | None]) -> float:
         """Return the least cost with visits and arrival at some steps, what is missed included.
@@ -235,16 +235,7 @@ class VisitLp:
         arrival = steps[-1]
         if arrival is not None:
             target |= {(self._count - 1, k) for k in range(arrival, last)}
-        for key in self._active - target:
-            numbers, lower = self._rows[key]
-            self._lp.bound_rows(numbers, np.full(lower.size, -np.inf), np.full(lower.size, np.inf))
-        for key in sorted(target - self._active):
-            if key not in self._rows:
-                self._rows[key] = self._added(*key)
-                continue
-            numbers, lower = self._rows[key]
-            self._lp.bound_rows(numbers, lower, np.full(lower.size, np.inf))
-        self._active = target
+        self._boxes.ask_for(target)
         outcome, bound = self._lp.solve()
         due = first if arrival is None else arrival
         time = self._model.time_cost * due / self._model.horizon
@@ -261,8 +252,9 @@ class VisitLp:
         found = self._lp.point()
         return np.asarray(found[:span] - found[span : 2 * span])
 
-    def _added(self, visit: int, step: int) -> tuple[list[int], Vector]:
-        """Add the rows of a visit, or of the goal, at a step; return numbers and lower bounds."""
+    def _rows_at(self, key: tuple[int, int]) -> tuple[csr_array, Vector, Vector]:
+        """Return the rows of a visit, or of the goal, at a step."""
+        visit, step = key
         goal, via = self._model.vehicle.goal, self._model.vehicle.via
         boxes = (*via, Visit(goal.lower, goal.upper, speed=goal.speed))
         rows, lower, upper = rows_at(self._model, boxes[visit], step)
@@ -270,7 +262,4 @@ class VisitLp:
         beside = np.zeros((len(both), self._count))
         beside[:, visit] = 1.0
         right = np.append(lower, -upper)
-        begin = self._lp.add_rows(
-            csr_array(np.hstack([both, -both, beside])), right, np.full(right.size, np.inf)
-        )
-        return list(range(begin, begin + right.size)), right
+        return csr_array(np.hstack([both, -both, beside])), right, np.full(right.size, np.inf)
