@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.phases.around import Around
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
-from radmpc.planners.certified.turned.paths import Paths
+from radmpc.planners.certified.turned.paths import Paths, SavedPaths
 from radmpc.planners.certified.turned.price_control import PriceControl, SafePaths, Taken
 from radmpc.planners.certified.turned.turning import Turning
 from radmpc.planners.outcome.record import Certifying
@@ -79,6 +81,54 @@ def test_what_is_not_certified_in_between_is_not_taken() -> None:
     before = made.incumbent
     assert made._take_between(safe_paths(), 0.08) is None
     assert made.incumbent is before
+
+
+def of_effort(share: float) -> SavedPaths:
+    """Return paths of both vehicles, each so large."""
+    paths = Paths(HAZARDS)
+    for i, controls in enumerate(half_way(share)):
+        paths.fly(i, controls)
+    return paths.state()
+
+
+def first_turning(share: float) -> Turning:
+    """Return a turning without a plan, whose risk is linear in its logarithm: 0.2 to 0.02."""
+    made = turning(lambda controls: 0.2 * 0.1 ** float(controls[0][0, 0]))
+    made.incumbent = FleetIncumbent()
+    made.successive.begin(half_way(share))
+    return made
+
+
+def test_a_first_plan_that_leaves_risk_is_nearer_to_the_riskier_paths_before_it() -> None:
+    made = first_turning(1.0)
+    certified = made._take((of_effort(0.0), 0.2))
+    assert certified == pytest.approx(0.02)
+    assert made.incumbent.certified == pytest.approx(0.97 * RISK_BOUND)
+    assert made.incumbent.cost < made.successive.paths.cost()
+    # What follows goes on from the paths themselves.
+    assert np.array_equal(made.successive.paths.controls[0], half_way(1.0)[0])
+
+
+@pytest.mark.parametrize(
+    ("share", "risk_before"), [(1.0, 0.03), (1.0, np.inf), (-np.log10(0.0475 / 0.2), 0.2)]
+)
+def test_a_first_plan_is_its_own_paths_where_those_before_risk_as_little_or_it_leaves_little(
+    share: float, risk_before: float
+) -> None:
+    made = first_turning(share)
+    certified = made._take((of_effort(0.0), risk_before))
+    assert made.incumbent.certified == certified
+    assert made.incumbent.cost == made.successive.paths.cost()
+
+
+def test_a_first_plan_is_its_own_paths_where_nearer_ones_risk_too_much() -> None:
+    made = first_turning(1.0)
+    made.task = replace(
+        made.task,
+        judge=lambda controls: Verdict(0.02 if controls[0][0, 0] == 1.0 else 0.06, ()),
+    )
+    assert made._take((of_effort(0.0), 0.2)) == 0.02
+    assert made.incumbent.certified == 0.02
 
 
 def test_turning_ends_by_a_plan_in_between_once_paths_hardly_move() -> None:

@@ -97,6 +97,19 @@ class Paths:
         self.means[i] = paths.means[i] + share * (paths.means[i] - means[i])
         self.sagittas[i] = paths.sagittas[i] + share * (paths.sagittas[i] - sagittas[i])
 
+    def mix(self, other: SavedPaths, share: float) -> None:
+        """Give every vehicle controls between its own and others.
+
+        Parameters
+        ----------
+        other : tuple
+            The others, as `state` returned them.
+        share : float
+            Of the others, in [0, 1] [-].
+        """
+        for i, (mine, theirs) in enumerate(zip(tuple(self.controls), other[0], strict=True)):
+            self.fly(i, mine + share * (theirs - mine))
+
     def near_pairs(self, clearance: float, reach: float) -> tuple[Indices, Indices]:
         """Return the vehicles that may be near each other in any window, lower number first.
 

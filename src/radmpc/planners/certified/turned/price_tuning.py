@@ -86,6 +86,11 @@ class PriceControlTuning:
         as another turn.
     between : float
         Share of Δ that such a plan is to risk by what is linear between both [-].
+    unspent, nearly : float
+        Share of Δ below which a first plan among obstacles is moved towards the paths before it,
+        and what it is to risk then if the logarithm of the risk is linear in between [-]: 25 of 39
+        first plans become cheaper, by 1.4 % in the mean and 20 % at most, for a certificate each.
+        Without obstacles the same takes 1.04 of the time of `paper(8)`, to the same plans.
     """
 
     aim: float = 0.985
@@ -118,6 +123,8 @@ class PriceControlTuning:
     close: float = 2.0
     little: float = 3.0
     between: float = 0.9985
+    unspent: float = 0.9
+    nearly: float = 0.97
 
 
 PRICE_TUNING = PriceControlTuning()

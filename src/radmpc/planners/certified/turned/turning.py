@@ -6,6 +6,7 @@ The price is the shadow price of the risk, per unit of probability, unless calle
 from __future__ import annotations
 
 import logging
+import math
 import time
 from collections.abc import Sequence
 
@@ -17,6 +18,7 @@ from radmpc.planners.certified.state.timed_judge import estimate
 from radmpc.planners.certified.turned.large.groups import groups_of
 from radmpc.planners.certified.turned.large.side_by_side import share_risk_side_by_side
 from radmpc.planners.certified.turned.linear.warm_programs import WarmPrograms
+from radmpc.planners.certified.turned.paths import SavedPaths
 from radmpc.planners.certified.turned.price_control import PriceControl, SafePaths, Taken
 from radmpc.planners.certified.turned.price_tuning import PRICE_TUNING
 from radmpc.planners.certified.turned.successive import SuccessiveLp
@@ -120,14 +122,14 @@ class Turning:
             The best certified plan so far.
         """
         task, paths = self.task, self.successive.paths
-        is_large = task.hazards.count > TUNING.few
+        is_large, has_obstacles = task.hazards.count > TUNING.few, task.hazards.shapes.count > 0
         is_urgent = is_large and not self.incumbent.controls
         flags = is_urgent, self.enough < float("inf"), is_large
         control = PriceControl(self.price, task.risk_bound, task.gap, rival, *flags)
         self.successive.programs.forget_all_but(self.groups)
         begun = time.monotonic()
-        begin = float("inf") if self.is_above or self.is_outside else self._take()
-        control.begin(begin, paths.cost(), paths.state())
+        certified = float("inf") if self.is_above or self.is_outside else self._take()
+        control.begin(certified, paths.cost(), paths.state())
         left = task.limits.seconds_left
         # A round without time for its certificate comes to nothing.
         useful = task.limits.within(left - (time.monotonic() - begun))
@@ -139,8 +141,10 @@ class Turning:
             if useful.reached or is_enough or control.is_over or self._has_spent(number, some):
                 break
             self.price = control.price
+            is_first = has_obstacles and not self.incumbent.controls
+            before = (paths.state(), certified) if is_first else None
             self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
-            certified, cost = self._take(), paths.cost()
+            certified, cost = self._take(before), paths.cost()
             _LOG.info(
                 "turn %d of half-spaces: price of 1 %% of the risk bound %.3g, cost %.6g, "
                 "certificate %.3g",
@@ -196,38 +200,63 @@ class Turning:
             return None
         share = (PRICE_TUNING.between * risk_bound - safe.certified) / (certified - safe.certified)
         latest = paths.state()
-        both = zip(safe.paths[0], paths.controls, strict=True)
-        for i, (one, other) in enumerate(both):
-            paths.fly(i, one + share * (other - one))
+        paths.mix(safe.paths, 1.0 - share)
         taken = Taken(self._take(), paths.cost())
         paths.restore(latest)
         return taken if taken.certified <= risk_bound else None
 
-    def _take(self) -> float:
-        """Keep the latest paths if they are certified and the cheapest; return the certificate."""
-        paths, controls = self.successive.paths, tuple(self.successive.paths.controls)
-        if self.is_outside and not self._keep_limits(controls):
+    def _take(self, before: tuple[SavedPaths, float] | None = None) -> float:
+        """Keep the latest paths if they are certified and the cheapest; return the certificate.
+
+        Before a first plan, paths and certificate of the round before are given, too.
+        """
+        paths = self.successive.paths
+        if self.is_outside and not self._keep_limits(paths.controls):
             return float("inf")
         cost = paths.cost()
-        certified = self.latest = self._certificate(controls, cost)
-        if certified <= self.task.risk_bound and cost < self.incumbent.cost:
-            ratio = min(self.risk / max(certified, _NOTHING), TUNING.most_ratio)
-            # What most vehicles would still pay for risk is what they paid before, and what paths
-            # that nobody turned would, too.
-            is_known = self.risk > 0.0 and not self.is_partial
-            price = self.price * ratio if is_known else self.incumbent.turned_price
-            ratio = ratio if is_known else self.incumbent.risk_ratio
-            self.incumbent = replace(
-                self.incumbent,
-                controls=controls,
-                cost=cost,
-                certified=certified,
-                sets=self.sets,
-                turned_price=price,
-                risk_ratio=ratio,
-            )
-            self.task.found(self.incumbent)
+        certified = self.latest = self._certificate(tuple(paths.controls), cost)
+        is_better = certified <= self.task.risk_bound and cost < self.incumbent.cost
+        if is_better and (before is None or not self._keep_nearer(*before, certified)):
+            self._keep(certified)
         return certified
+
+    def _keep_nearer(self, before: SavedPaths, risk_before: float, certified: float) -> bool:
+        """Keep a first plan that leaves much of Δ nearer to the paths before it, which risk more.
+
+        On the way the logarithm of the risk is nearly linear. Tell whether that was kept.
+        """
+        paths, risk_bound = self.successive.paths, self.task.risk_bound
+        if certified > PRICE_TUNING.unspent * risk_bound or not risk_bound < risk_before < math.inf:
+            return False
+        least = max(certified, _NOTHING)
+        share = math.log(PRICE_TUNING.nearly * risk_bound / least) / math.log(risk_before / least)
+        latest, cost = paths.state(), paths.cost()
+        paths.mix(before, share)
+        mixed = self.task.judge(tuple(paths.controls)).certified
+        is_kept = mixed <= risk_bound and paths.cost() < cost
+        if is_kept:
+            self._keep(mixed)
+        paths.restore(latest)
+        return is_kept
+
+    def _keep(self, certified: float) -> None:
+        """Make the latest paths the plan."""
+        ratio = min(self.risk / max(certified, _NOTHING), TUNING.most_ratio)
+        # What most vehicles would still pay for risk is what they paid before, and what paths
+        # that nobody turned would, too.
+        is_known = self.risk > 0.0 and not self.is_partial
+        price = self.price * ratio if is_known else self.incumbent.turned_price
+        ratio = ratio if is_known else self.incumbent.risk_ratio
+        self.incumbent = replace(
+            self.incumbent,
+            controls=tuple(self.successive.paths.controls),
+            cost=self.successive.paths.cost(),
+            certified=certified,
+            sets=self.sets,
+            turned_price=price,
+            risk_ratio=ratio,
+        )
+        self.task.found(self.incumbent)
 
     def _certificate(self, controls: tuple[Matrix, ...], cost: float) -> float:
         """Return the certificate of paths, or about that where they cannot become the plan."""
