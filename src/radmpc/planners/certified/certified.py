@@ -212,7 +212,8 @@ def _nodes_of_proof(fleet: Fleet, state: SearchState, is_timed: bool) -> float:
         return float("inf")
     searched = sum(each.all_nodes for each in state.set_states.values())
     few = min(fleet.scenario.num_vehicles, PROOF_TUNING.most_together)
-    return max(PROOF_TUNING.least_nodes * few, PROOF_TUNING.node_share * searched)
+    least = max(PROOF_TUNING.least_nodes, PROOF_TUNING.least_nodes_each * few)
+    return max(least, PROOF_TUNING.node_share * searched)
 
 
 def _draft(

@@ -19,8 +19,9 @@ from radmpc.program.relaxed.cones_in_space import cones_in_space
 from radmpc.program.relaxed.instants import Instants
 from radmpc.program.relaxed.left_out import Vicinity, near_boxes
 from radmpc.program.relaxed.level_curves import Outline
-from radmpc.program.relaxed.obstacles import Found, seen_at, walls_of
-from radmpc.program.relaxed.patches import Patches, around_point, around_polytope
+from radmpc.program.relaxed.obstacles import Found, moved_since, seen_at, walls_of
+from radmpc.program.relaxed.patches import Patches, around_point
+from radmpc.program.relaxed.polytope_patches import around_polytope
 from radmpc.program.relaxed.rows import DROPPED, ConeRows, cone_rows
 from radmpc.program.relaxed.shared_hazards import HazardRows
 from radmpc.program.relaxed.shared_rows import SharedRows
@@ -163,8 +164,9 @@ class _Relaxation:
         instants = self._instants(i).relative_to(self._instants(j))
         d = self.scenario.dimension
         point = Outline(np.zeros((1, 1, d)), np.zeros((1, 0, d)), one.radius + two.radius)
-        patches = around_point(_LEVELS) if d == 3 else None
-        self._keep_out((i, j), instants, point, patches, ("pair", one.name, two.name))
+        still = np.zeros((instants.count, d))
+        around = (around_point(_LEVELS), still) if d == 3 else None
+        self._keep_out((i, j), instants, point, around, ("pair", one.name, two.name))
 
     def _instants(self, body: int) -> Instants:
         """Return where a vehicle is at the instants at which collisions count."""
@@ -190,14 +192,14 @@ class _Relaxation:
                 if some.size:
                     self._keep_out_at(some, instants, outline, label)
                 continue
-            if is_plane:
-                seen = instants.seen_from(keepout.spread)
-                self._keep_out((body, -1), seen, outline, None, label)
-                continue
-            # In space, what moves or is flat is left out.
-            patches = around_polytope(keepout.shapes[0]) if is_standing else None
-            if patches is not None:
-                self._keep_out((body, -1), instants, outline, patches, label)
+            seen, around = instants.seen_from(keepout.spread), None
+            if not is_plane:
+                # In space, what turns is left out, and what has no faces.
+                patches, moves = around_polytope(keepout.shapes[0]), moved_since(keepout, seen)
+                if patches is None or moves is None:
+                    continue
+                around = patches, moves
+            self._keep_out((body, -1), seen, outline, around, label)
 
     def _in_reach(self, body: int, corners: list[Matrix]) -> list[Indices]:
         """Return when standing obstacles are in a vehicle's reach; none of those left out.
@@ -233,23 +235,28 @@ class _Relaxation:
         bodies: tuple[int, int],
         instants: Instants,
         outline: Outline,
-        patches: Patches | None,
+        around: tuple[Patches, Matrix] | None,
         label: _Label,
     ) -> None:
-        """Add the rows of a hazard at the instants at which it is in reach; patches in space."""
+        """Add the rows of a hazard at the instants at which it is in reach.
+
+        In space, of patches around it, and of how far it has moved from these.
+        """
         ends = outline.vertices.min(axis=1), outline.vertices.max(axis=1)
         chosen = np.flatnonzero(instants.near(*ends, self._room(instants, outline.radius)))
         if not chosen.size:
             return
-        if self.around is not None or patches is not None:
+        if self.around is not None or around is not None:
             near = instants.take(chosen)
         if self.around is not None:
             vicinity = Vicinity.of(*bodies, near, outline.take(chosen))
             if not vicinity.is_near(self.around):
                 self.left_out.append(vicinity)
                 return
-        if patches is not None:
-            cones = cones_in_space(patches, outline.radius, near.covariances, self.tails)
+        if around is not None:
+            patches, moves = around
+            noise = near.covariances, self.tails
+            cones = cones_in_space(patches, outline.radius, *noise, moves[chosen])
             self._add(near, cones, *label)
             return
         self._keep_out_at(chosen, instants, outline, label)

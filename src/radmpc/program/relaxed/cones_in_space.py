@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from radmpc.arrays import Tensor, Vector
+from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.program.relaxed.cones import Cones
 from radmpc.program.relaxed.patches import Patches
 from radmpc.program.relaxed.tails import Tails
@@ -16,15 +16,22 @@ _FLATTEST = 1e-6
 directions will do, and this one is not degenerate."""
 
 
-def cones_in_space(patches: Patches, radius: float, covariances: Tensor, tails: Tails) -> Cones:
+def cones_in_space(
+    patches: Patches,
+    radius: float,
+    covariances: Tensor,
+    tails: Tails,
+    displacements: Matrix | None = None,
+) -> Cones:
     """Return one cone per patch of directions.
 
-    With m the mean of a patch's corners, v the point that supports all of it and ``d(n) = Σ n /
-    |n|_Σ``, a mean at a distance q >= least whose direction n lies in the patch is ``v + radius · n
-    + q d(n)``. Directions n with ``m · n >= c >= 0`` are a cap, which holds a triangle if it holds
-    the corners; so do those with ``m · d(n) >= c``, in the metric of the noise. So m · n and
-    m · d(n) are least at corners, and ``q <= least + (m · x̄ − o) / min(m · d)`` with
-    ``o = m · v + radius · min(m · n) + least · min(m · d)``.
+    With m the axis of a patch, v a point that supports all of it as far as m sees and ``d(n) = Σ n
+    / |n|_Σ``, a mean at a distance q >= least whose direction n lies in the patch is at ``m · v +
+    radius · m · n + q m · d(n)`` along m. Directions n with ``m · n >= c >= 0`` are a cap, which
+    holds a triangle if it holds the corners; so do those with ``m · d(n) >= c``, in the metric of
+    the noise. So m · n and m · d(n) are least at corners of the triangles that a patch is made of,
+    and ``q <= least + (m · x̄ − o) / min(m · d)`` with ``o = m · v + radius · min(m · n) + least ·
+    min(m · d)``.
 
     Parameters
     ----------
@@ -36,6 +43,8 @@ def cones_in_space(patches: Patches, radius: float, covariances: Tensor, tails: 
         Of the position relative to it [m²].
     tails : Tails
         What charges are at least.
+    displacements : (I, 3) array or None
+        By how much the hazard has moved from where its patches are [m]; None is not at all.
 
     Returns
     -------
@@ -47,8 +56,8 @@ def cones_in_space(patches: Patches, radius: float, covariances: Tensor, tails: 
     lengths = np.sqrt(np.maximum(np.einsum("ika,ika->ik", directions, along), 0.0))
     gradients = along / np.where(lengths > 0.0, lengths, 1.0)[..., None]
     of_patch = directions[:, patches.corners]
-    normals = of_patch.sum(axis=2)
-    normals /= np.maximum(np.linalg.norm(normals, axis=2), 1e-300)[..., None]
+    normals = of_patch.sum(axis=2) if patches.axes is None else directions[:, patches.axes]
+    normals = normals / np.maximum(np.linalg.norm(normals, axis=2), 1e-300)[..., None]
     cosines = np.einsum("ipa,ipja->ipj", normals, of_patch).min(axis=2)
     deviations = np.einsum("ipa,ipja->ipj", normals, gradients[:, patches.corners]).min(axis=2)
     sizes = np.sqrt(np.maximum(np.trace(covariances, axis1=1, axis2=2), 0.0))
@@ -57,6 +66,8 @@ def cones_in_space(patches: Patches, radius: float, covariances: Tensor, tails: 
     is_there = (cosines > 0.0) & ((deviations > 1e-6 * sizes[:, None]) | ~is_noisy)
     is_narrow = ~np.isin(np.arange(len(patches.corners)), patches.parents)
     begins = np.einsum("ipa,pa->ip", normals, patches.supports) + radius * cosines
+    if displacements is not None:
+        begins += np.einsum("ipa,ia->ip", normals, displacements)
     # The level surface is `least` deviations away: what is left in front of it is the shift.
     offsets = begins - deviations * _margin(shifts)[:, None]
     return Cones(

@@ -10,7 +10,11 @@ from radmpc.program.keepout import KeepOut
 from radmpc.program.relaxed.cones import Cones
 from radmpc.program.relaxed.instants import Instants
 
-__all__ = ["Found", "seen_at", "walls_of"]
+__all__ = ["Found", "moved_since", "seen_at", "walls_of"]
+
+_RIGID = 1e-9
+"""By how much the corners of a body that does not turn may move differently, as a share of how far
+they move [-]: coordinates are rounded."""
 
 Found = tuple[KeepOut, Tensor, Tensor]
 """A piece of an obstacle, its corners and its faces at the instants."""
@@ -49,6 +53,28 @@ def _stacked(points: list[Matrix]) -> Tensor:
     """Stack lists of different lengths, the last of each repeated."""
     most = max(len(p) for p in points)
     return np.array([np.concatenate([p, np.repeat(p[-1:], most - len(p), axis=0)]) for p in points])
+
+
+def moved_since(keepout: KeepOut, instants: Instants) -> Matrix | None:
+    """Return how far a body has moved from where it is first, (I, d) [m]; None where it turns too.
+
+    Parameters
+    ----------
+    keepout : KeepOut
+        The body at all steps.
+    instants : Instants
+        When.
+    """
+    first, shapes = keepout.shapes[0].vertices, keepout.shapes
+    if len(shapes) == 1:
+        return np.zeros((instants.count, first.shape[1]))
+    if any(shape.vertices.shape != first.shape for shape in shapes):
+        return None
+    moves = np.array([shape.vertices - first for shape in shapes])
+    if np.ptp(moves, axis=1).max() > _RIGID * (1.0 + float(np.abs(moves).max())):
+        return None
+    steps, share = moves.mean(axis=1), instants.shares[:, None]
+    return np.asarray((1.0 - share) * steps[instants.windows] + share * steps[instants.windows + 1])
 
 
 def walls_of(workspace: Workspace | None, instants: Instants) -> list[Cones]:

@@ -1,20 +1,15 @@
-"""Directions in space, parted into patches: around a point, and around a polytope."""
+"""Directions in space, parted into patches, all around a point."""
 
 from __future__ import annotations
 
 from functools import cache
-from itertools import combinations, pairwise
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.geometry import Polytope
 from radmpc.records import dataclass
 
-__all__ = ["Patches", "around_point", "around_polytope"]
-
-_TOUCHES = 1e-9
-"""Distance up to which a corner lies on a face, by the size of the coordinates [-]."""
+__all__ = ["Patches", "Splitting", "around_point"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,13 +20,15 @@ class Patches:
     ----------
     directions : (k, 3) array
         Unit vectors.
-    corners : (p, 3) int array
-        The directions at the corners of each patch, repeated for arcs and single directions.
+    corners : (p, c) int array
+        The directions at the corners of each patch, the last repeated where there are fewer.
     supports : (p, 3) array
-        The point of the hazard that is farthest along every direction of each patch [m]; along an
-        arc, a point of the edge.
+        A point of the hazard that is as far along the patch's axis as any that is farthest along
+        one of its directions [m].
     parents : (p,) int array
         The wider patch that each is part of, which comes later; -1 where there is none.
+    axes : (p,) int array or None
+        The direction of each patch's half-space; None for the mean of its corners.
     is_even : bool
         Whether directions are of the metric in which the noise is the same all around.
     """
@@ -40,6 +37,7 @@ class Patches:
     corners: Indices
     supports: Matrix
     parents: Indices
+    axes: Indices | None
     is_even: bool
 
 
@@ -52,7 +50,7 @@ def around_point(levels: int) -> Patches:
     levels : int
         How often they are parted.
     """
-    split = _Splitting([np.array(v) for v in (*np.eye(3), *-np.eye(3))])
+    split = Splitting([np.array(v) for v in (*np.eye(3), *-np.eye(3))])
     layers = [[(x, y, z) for x in (0, 3) for y in (1, 4) for z in (2, 5)]]
     for _ in range(levels):
         layers.append([finer for triangle in layers[-1] for finer in split.triangle(triangle)])
@@ -66,80 +64,47 @@ def around_point(levels: int) -> Patches:
         corners,
         np.zeros((len(corners), 3)),
         np.concatenate(parents),
+        axes=None,
         is_even=True,
     )
 
 
-def around_polytope(polytope: Polytope) -> Patches | None:
-    """Return the normals of faces, the arcs at edges, and what lies between at corners.
+class Splitting:
+    """Directions, and those in the middle of others, each made once.
 
     Parameters
     ----------
-    polytope : Polytope
-        With inner points.
-
-    Returns
-    -------
-    Patches or None
-        None for what is flat: there, opposite faces meet at every corner.
+    directions : list of (3,) array
+        Unit vectors to begin with; others are appended.
     """
-    normals, vertices = polytope.normals, polytope.vertices
-    scale = _TOUCHES * (1.0 + float(np.abs(vertices).max()))
-    is_on = np.abs(vertices @ normals.T - polytope.offsets) <= scale
-    if np.any(is_on.all(axis=0)) or np.any(is_on.sum(axis=1) < 3):
-        return None
-    split = _Splitting(list(normals))
-    found: list[tuple[tuple[int, int, int], int]] = []
-    for face in range(len(normals)):
-        found.append(((face, face, face), int(is_on[:, face].argmax())))
-    for one, two in combinations(range(len(vertices)), 2):
-        shared = np.flatnonzero(is_on[one] & is_on[two])
-        if shared.size >= 2:
-            pairs = combinations(shared.tolist(), 2)
-            first, second = min(pairs, key=lambda p: float(normals[p[0]] @ normals[p[1]]))
-            middle = split.middle(first, second)
-            found += [((first, middle, middle), one), ((middle, second, second), one)]
-    for vertex in range(len(vertices)):
-        around = _in_turn(normals, np.flatnonzero(is_on[vertex]))
-        for second, third in pairwise(around[1:]):
-            whole = (around[0], second, third)
-            found += [(finer, vertex) for finer in split.triangle(whole)]
-    return Patches(
-        np.array(split.directions),
-        np.array([corners for corners, _ in found]),
-        np.array([vertices[vertex] for _, vertex in found]),
-        np.full(len(found), -1),
-        is_even=False,
-    )
-
-
-class _Splitting:
-    """Directions, and those halfway between two of them, each made once."""
 
     def __init__(self, directions: list[Vector]) -> None:
         self.directions = directions
-        self._middles: dict[tuple[int, int], int] = {}
+        self._middles: dict[tuple[int, ...], int] = {}
 
-    def middle(self, i: int, j: int) -> int:
-        """Return the number of the direction halfway between two."""
-        key = (min(i, j), max(i, j))
+    def middle(self, *some: int) -> int:
+        """Return the number of the direction in the middle of several.
+
+        Parameters
+        ----------
+        *some : int
+            Their numbers.
+        """
+        key = tuple(sorted(some))
         if key not in self._middles:
-            between = self.directions[i] + self.directions[j]
+            between = np.sum([self.directions[i] for i in some], axis=0)
             self._middles[key] = len(self.directions)
             self.directions.append(between / np.linalg.norm(between))
         return self._middles[key]
 
     def triangle(self, corners: tuple[int, int, int]) -> list[tuple[int, int, int]]:
-        """Return the four triangles that one is made of."""
+        """Return the four triangles that one is made of.
+
+        Parameters
+        ----------
+        corners : tuple of int
+            The directions at its corners.
+        """
         a, b, c = corners
         ab, bc, ca = self.middle(a, b), self.middle(b, c), self.middle(c, a)
         return [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
-
-
-def _in_turn(normals: Matrix, faces: Indices) -> list[int]:
-    """Return the faces at a corner in turn around their mean normal."""
-    mean = normals[faces].mean(axis=0)
-    first = normals[faces[0]] - mean * (normals[faces[0]] @ mean) / (mean @ mean)
-    second = np.cross(mean, first)
-    angles = np.arctan2(normals[faces] @ second / np.linalg.norm(mean), normals[faces] @ first)
-    return [int(face) for face in faces[angles.argsort()]]
