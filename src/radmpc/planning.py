@@ -9,7 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from radmpc.arguments import check_callable, check_kind, check_rng, check_time_limit, value_text
+from radmpc.arguments import (
+    check_callable,
+    check_executor,
+    check_rng,
+    check_time_limit,
+    value_text,
+)
 from radmpc.arrays import Matrix
 from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.model.given import check_scenario
@@ -106,9 +112,9 @@ def plan(
         rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed),
         limits,
         executor,
-        progress or _silent,
+        progress or nobody,
         referee.judge,
-        found or _silent_best,
+        found or nobody,
         hand_on,
     )
     if scenario.goals:
@@ -157,7 +163,7 @@ def unjudged_plan(
 
     is_quick = isinstance(referee.judge, RoughJudge)
     timely = RoughJudge(judge, referee.rough) if is_quick else judge
-    run = Run(rng, limits, None, _silent, timely, _silent_best, nobody)
+    run = Run(rng, limits, None, nobody, timely, nobody)
     draft = planner.decomposition.plan(scenario, planner, run)
     trajectories = trajectories_of(scenario, draft.controls)
     return plan_of(scenario, planner, seed, draft, trajectories, None, {})
@@ -230,8 +236,7 @@ def _check_options(
     """Refuse options that planning would stumble over only after a while."""
     check_rng(rng)
     check_time_limit(time_limit)
-    if executor is not None and not callable(getattr(executor, "submit", None)):
-        check_kind(executor, Executor, "executor", "a concurrent.futures.Executor or None")
+    check_executor(executor)
     check_callable(progress, "progress")
     check_callable(stop, "stop")
 
@@ -253,16 +258,6 @@ def _judged(
     seconds = {**draft.seconds, "certificate": ended - judging, "total": ended - begun}
     judged = plan_of(scenario, planner, seed, draft, trajectories, certificate, seconds)
     return Result(judged, certificate, draft.steps, draft.events)
-
-
-def _silent(stage: str, done: int, total: int | None) -> None:
-    """Take progress without showing it."""
-    del stage, done, total
-
-
-def _silent_best(cost: float, bound: float | None) -> None:
-    """Take the best plan so far without showing it."""
-    del cost, bound
 
 
 def _with_limits(draft: Draft, limits: Limits) -> Draft:

@@ -31,14 +31,8 @@ Improved = Callable[[tuple[Matrix, ...]], None]
 """Given every vehicle's controls in a plan that is certified and the best so far."""
 
 
-def nobody(controls: tuple[Matrix, ...]) -> None:
-    """Take a plan without handing it on."""
-    del controls
-
-
-def _nothing_told(cost: float, bound: float | None) -> None:
-    """Take what is known of a plan without telling it."""
-    del cost, bound
+def nobody(*_: object) -> None:
+    """Take progress, what a plan costs, or a plan, without telling anybody."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +73,7 @@ class Run:
         Run
             With the same limits, randomness and referee.
         """
-        return replace(self, found=_nothing_told, improved=nobody)
+        return replace(self, found=nobody, improved=nobody)
 
 
 class Decomposition(ABC):

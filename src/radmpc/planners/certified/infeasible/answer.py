@@ -17,7 +17,8 @@ class WhyNot:
     explanation : str
         In sentences, naming vehicles, obstacles and times.
     is_proven : bool
-        Whether no plan is within the bound; otherwise none was found.
+        Whether the half-spaces searched, finer ones included, leave no plan; no proof against
+        others. Otherwise none was found.
     controls : tuple of (T, m) array
         The safest plan found meanwhile, for the referee to judge; empty without one.
     sets : tuple of tuple of int
