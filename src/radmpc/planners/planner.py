@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -18,8 +19,12 @@ from radmpc.planners.policies.policy import Family, Policy
 from radmpc.planners.verdict import Judge
 from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits, Solver
+from radmpc.wording import number_text
 
-__all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "nobody"]
+__all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "names_of_choices", "nobody"]
+
+_GAP = 1e-3
+"""Relative gap at which each solve stops where none is asked for [-]."""
 
 Progress = Callable[[str, int, int | None], None]
 """Told the stage, its parts done, and how many there are, if that is known."""
@@ -144,7 +149,7 @@ class Planner:
     policy: Policy
     solver: Solver
     decomposition: Decomposition
-    gap: float = 1e-3
+    gap: float = _GAP
 
     def __post_init__(self) -> None:
         """Refuse choices that do not go together."""
@@ -218,4 +223,19 @@ class Planner:
         return self.policy.family != "deterministic"
 
     def __str__(self) -> str:
-        return f"{self.policy}, {self.solver}, {self.decomposition}"
+        gap = "" if self.gap == _GAP else f", gap={number_text(self.gap)}"
+        return f"{self.policy}, {self.solver}, {self.decomposition}{gap}"
+
+
+def names_of_choices(text: str) -> tuple[str, ...]:
+    """Return the names of policy, solver and decomposition, without their options.
+
+    Parameters
+    ----------
+    text : str
+        What `str` makes of a planner, as it stands in plans: ``optimal, branch, certified(3)``.
+    """
+    # Options have options of their own in turn: couplings(1e-06, receding(reset)).
+    while (bare := re.sub(r"\([^()]*\)", "", text)) != text:
+        text = bare
+    return tuple(part.strip() for part in text.split(","))[:3]

@@ -45,6 +45,7 @@ from radmpc.records import dataclass, replace
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Solver, relative_gap
 from radmpc.system.memory import hand_back_freed
+from radmpc.wording import number_text, with_options
 
 __all__ = ["Certified"]
 
@@ -83,7 +84,10 @@ class Certified(Decomposition):
             raise ScenarioError(f"proof_seconds must be a number >= 0, got {value_text(seconds)}")
 
     def __str__(self) -> str:
-        return "certified" if self.proof_seconds is None else f"certified({self.proof_seconds:g})"
+        seconds = "" if self.proof_seconds is None else number_text(self.proof_seconds)
+        return with_options(
+            "certified", seconds, "" if self.is_persistent else "is_persistent=False"
+        )
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
         """Plan a fleet to a proven gap; every plan is certified.

@@ -23,7 +23,7 @@ from radmpc.records import dataclass
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.lp.one_selection import solve_selection
 from radmpc.solvers.solution import Outcome, Solution
-from radmpc.wording import count_text
+from radmpc.wording import changed_texts, count_text, with_options
 
 __all__ = ["Ira"]
 
@@ -79,8 +79,9 @@ class Ira(Policy):
             )
 
     def __str__(self) -> str:
-        name = "ira" if self.direction == "to_active" else f"ira({self.direction})"
-        return name + spread_text(self.spread)
+        direction = "" if self.direction == "to_active" else self.direction
+        numbers = changed_texts(self, Ira(), "active_tol", "keep", "max_iterations")
+        return with_options("ira", direction, spread_text(self.spread), *numbers)
 
     def solve(self, request: SolveRequest) -> Solved:
         """Alternate between solving and reallocating; see `Policy.solve`."""
