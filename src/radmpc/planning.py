@@ -23,6 +23,7 @@ from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner, Run
 from radmpc.planners.draft import Draft
+from radmpc.planners.outcome.best_of_all import Cheaper
 from radmpc.planners.outcome.improving import Improving
 from radmpc.planners.outcome.record import Certifying, plan_of
 from radmpc.planners.outcome.trajectories import trajectories_of
@@ -73,7 +74,7 @@ def plan(
     improved : callable or None
         Given by `certified` every plan that is the best so far while it looks for better ones,
         judged by the referee; its time counts. None costs nothing. The last one is the result's,
-        or dearer.
+        or dearer. Where vehicles share goals, its scenario has those that were assigned.
 
     Returns
     -------
@@ -103,11 +104,15 @@ def plan(
     check_callable(improved, "improved")
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
     limits = _limits(record, time_limit, stop)
-    referee = Certifying(scenario, record)
-    # What an assignment is planned for on the way is not yet the scenario of the answer.
-    hand_on: Improved = nobody
-    if improved is not None and not scenario.goals:
-        hand_on = Improving(scenario, record, seed, improved, begun, referee)
+    cheaper = None if improved is None else Cheaper(improved)
+
+    def asked_of(one: Scenario) -> tuple[Certifying, Improved]:
+        asked = Certifying(one, record)
+        if cheaper is None:
+            return asked, nobody
+        return asked, Improving(one, record, seed, cheaper, begun, asked)
+
+    referee, hand_on = asked_of(scenario)
     run = Run(
         rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed),
         limits,
@@ -120,7 +125,7 @@ def plan(
     if scenario.goals:
         from radmpc.planners.assignment import assigned  # noqa: PLC0415 - few share goals
 
-        scenario, draft = assigned(scenario, record, run, lambda s: Certifying(s, record).judge)
+        scenario, draft = assigned(scenario, record, run, asked_of)
         referee = Certifying(scenario, record)
     else:
         draft = record.decomposition.plan(scenario, record, run)
