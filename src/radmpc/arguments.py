@@ -97,13 +97,7 @@ def check_callable(value: object, name: str) -> None:
 
 
 def check_executor(executor: object) -> None:
-    """Refuse what takes no tasks.
-
-    Raises
-    ------
-    ArgumentTypeError
-        If it is neither None nor has the method ``submit``.
-    """
+    """Refuse what takes no tasks, with an `ArgumentTypeError`: None does not matter."""
     if executor is not None and not callable(getattr(executor, "submit", None)):
         allowed = "a concurrent.futures.Executor or None"
         raise ArgumentTypeError(f"executor must be {allowed}, got {value_text(executor)}")
@@ -294,6 +288,12 @@ def check_word(value: object, words: Collection[str], name: str) -> None:
 
 
 def field_text(value: object, path: tuple[str | int, ...]) -> None:
-    """Refuse a name that is no text, with a `ScenarioError` at its place in the scenario."""
+    """Refuse a name that is no text, with a `ScenarioError`.
+
+    Parameters
+    ----------
+    value, path
+        As in `field_number`.
+    """
     if not isinstance(value, str):
         raise ScenarioError(f"must be text, got {value_text(value)}", path)

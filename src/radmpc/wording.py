@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import reprlib
 from numbers import Integral, Real
 
@@ -10,6 +11,7 @@ import numpy as np
 __all__ = [
     "changed_texts",
     "count_text",
+    "names_of_choices",
     "number_text",
     "one",
     "percent",
@@ -106,3 +108,17 @@ def changed_texts(record: object, usual: object, *names: str) -> tuple[str, ...]
     return tuple(
         f"{name}={number_text(value)}" for name, value in values if value != getattr(usual, name)
     )
+
+
+def names_of_choices(text: str) -> tuple[str, ...]:
+    """Return the names of policy, solver and decomposition, without their options.
+
+    Parameters
+    ----------
+    text : str
+        What `str` makes of a planner, as it stands in plans: ``optimal, branch, certified(3)``.
+    """
+    # Options have options of their own in turn: couplings(1e-06, receding(reset)).
+    while (bare := re.sub(r"\([^()]*\)", "", text)) != text:
+        text = bare
+    return tuple(part.strip() for part in text.split(","))[:3]

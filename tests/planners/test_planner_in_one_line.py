@@ -20,8 +20,8 @@ from radmpc.planners import (
     Sigmas,
     Uniform,
 )
-from radmpc.planners.planner import names_of_choices
 from radmpc.planners.presets import PRESETS, called, parse_planner
+from radmpc.wording import names_of_choices
 
 
 @pytest.mark.parametrize(
@@ -43,8 +43,8 @@ from radmpc.planners.presets import PRESETS, called, parse_planner
         (Couplings(), "couplings(1e-06)"),
         (Couplings(approximation_policy=Pool("used")), "couplings(1e-06, pool(used))"),
         (Couplings(0.1, Receding("reset")), "couplings(0.1, receding(reset))"),
-        (Certified(is_persistent=False), "certified(is_persistent=False)"),
-        (Certified(3.0, is_persistent=False), "certified(3, is_persistent=False)"),
+        (Certified(), "certified"),
+        (Certified(0.12345678), "certified(0.12345678)"),
     ],
 )  # fmt: skip
 def test_a_choice_tells_every_option_that_is_not_the_usual_one(choice: object, text: str) -> None:

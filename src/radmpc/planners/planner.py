@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -21,7 +20,7 @@ from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits, Solver
 from radmpc.wording import number_text
 
-__all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "names_of_choices", "nobody"]
+__all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "nobody"]
 
 _GAP = 1e-3
 """Relative gap at which each solve stops where none is asked for [-]."""
@@ -225,17 +224,3 @@ class Planner:
     def __str__(self) -> str:
         gap = "" if self.gap == _GAP else f", gap={number_text(self.gap)}"
         return f"{self.policy}, {self.solver}, {self.decomposition}{gap}"
-
-
-def names_of_choices(text: str) -> tuple[str, ...]:
-    """Return the names of policy, solver and decomposition, without their options.
-
-    Parameters
-    ----------
-    text : str
-        What `str` makes of a planner, as it stands in plans: ``optimal, branch, certified(3)``.
-    """
-    # Options have options of their own in turn: couplings(1e-06, receding(reset)).
-    while (bare := re.sub(r"\([^()]*\)", "", text)) != text:
-        text = bare
-    return tuple(part.strip() for part in text.split(","))[:3]

@@ -8,8 +8,7 @@ from radmpc.model.limits import tight_limits
 from radmpc.model.plan import Coupling, Plan, Status
 from radmpc.model.relations.couplings import unexplained_sets
 from radmpc.model.scenario import Scenario
-from radmpc.planners.planner import names_of_choices
-from radmpc.wording import count_text, percent
+from radmpc.wording import count_text, names_of_choices, percent
 
 __all__ = [
     "advice_text",

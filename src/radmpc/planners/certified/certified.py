@@ -85,10 +85,9 @@ class Certified(Decomposition):
             raise ScenarioError(f"proof_seconds must be a number >= 0, got {value_text(seconds)}")
 
     def __str__(self) -> str:
+        # What is tried where there is no plan makes no other plan, and is not told.
         seconds = "" if self.proof_seconds is None else number_text(self.proof_seconds)
-        return with_options(
-            "certified", seconds, "" if self.is_persistent else "is_persistent=False"
-        )
+        return with_options("certified", seconds)
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
         """Plan a fleet to a proven gap; every plan is certified.

@@ -7,11 +7,11 @@ import re
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.model.plan import LedgerRow, Plan
 from radmpc.model.scenario import Scenario
-from radmpc.planners.planner import names_of_choices
 from radmpc.planners.presets import DEFAULT
 from radmpc.preflight import outlook_of
 from radmpc.serving.protocol import Cure, Remark
 from radmpc.serving.work.concerns import concern_remarks, horizon_cure, risk_bound_cure
+from radmpc.wording import names_of_choices
 
 __all__ = ["remarks_of"]
 
