@@ -16,6 +16,7 @@ from radmpc.wording import one, value_text
 
 __all__ = [
     "check_callable",
+    "check_executor",
     "check_integer",
     "check_kind",
     "check_path",
@@ -93,6 +94,13 @@ def check_callable(value: object, name: str) -> None:
     """
     if value is not None and not callable(value):
         raise ArgumentTypeError(f"{name} must be a function or None, got {value_text(value)}")
+
+
+def check_executor(executor: object) -> None:
+    """Refuse what takes no tasks, with an `ArgumentTypeError`: None does not matter."""
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        allowed = "a concurrent.futures.Executor or None"
+        raise ArgumentTypeError(f"executor must be {allowed}, got {value_text(executor)}")
 
 
 def check_integer(value: object, name: str, least: int, most: float = math.inf) -> int:
@@ -280,19 +288,12 @@ def check_word(value: object, words: Collection[str], name: str) -> None:
 
 
 def field_text(value: object, path: tuple[str | int, ...]) -> None:
-    """Refuse a name that is no text.
+    """Refuse a name that is no text, with a `ScenarioError`.
 
     Parameters
     ----------
-    value : object
-        What was given.
-    path : tuple of str or int
-        Where it stands in the scenario.
-
-    Raises
-    ------
-    ScenarioError
-        If it is something else.
+    value, path
+        As in `field_number`.
     """
     if not isinstance(value, str):
         raise ScenarioError(f"must be text, got {value_text(value)}", path)

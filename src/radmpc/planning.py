@@ -9,7 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from radmpc.arguments import check_callable, check_kind, check_rng, check_time_limit, value_text
+from radmpc.arguments import (
+    check_callable,
+    check_executor,
+    check_rng,
+    check_time_limit,
+    value_text,
+)
 from radmpc.arrays import Matrix
 from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.model.given import check_scenario
@@ -17,6 +23,7 @@ from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner, Run
 from radmpc.planners.draft import Draft
+from radmpc.planners.outcome.best_of_all import Cheaper
 from radmpc.planners.outcome.improving import Improving
 from radmpc.planners.outcome.record import Certifying, plan_of
 from radmpc.planners.outcome.trajectories import trajectories_of
@@ -67,7 +74,7 @@ def plan(
     improved : callable or None
         Given by `certified` every plan that is the best so far while it looks for better ones,
         judged by the referee; its time counts. None costs nothing. The last one is the result's,
-        or dearer.
+        or dearer. Where vehicles share goals, its scenario has those that were assigned.
 
     Returns
     -------
@@ -97,24 +104,28 @@ def plan(
     check_callable(improved, "improved")
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
     limits = _limits(record, time_limit, stop)
-    referee = Certifying(scenario, record)
-    # What an assignment is planned for on the way is not yet the scenario of the answer.
-    hand_on: Improved = nobody
-    if improved is not None and not scenario.goals:
-        hand_on = Improving(scenario, record, seed, improved, begun, referee)
+    cheaper = None if improved is None else Cheaper(improved)
+
+    def asked_of(one: Scenario) -> tuple[Certifying, Improved]:
+        asked = Certifying(one, record)
+        if cheaper is None:
+            return asked, nobody
+        return asked, Improving(one, record, seed, cheaper, begun, asked)
+
+    referee, hand_on = asked_of(scenario)
     run = Run(
         rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed),
         limits,
         executor,
-        progress or _silent,
+        progress or nobody,
         referee.judge,
-        found or _silent_best,
+        found or nobody,
         hand_on,
     )
     if scenario.goals:
         from radmpc.planners.assignment import assigned  # noqa: PLC0415 - few share goals
 
-        scenario, draft = assigned(scenario, record, run, lambda s: Certifying(s, record).judge)
+        scenario, draft = assigned(scenario, record, run, asked_of)
         referee = Certifying(scenario, record)
     else:
         draft = record.decomposition.plan(scenario, record, run)
@@ -157,7 +168,7 @@ def unjudged_plan(
 
     is_quick = isinstance(referee.judge, RoughJudge)
     timely = RoughJudge(judge, referee.rough) if is_quick else judge
-    run = Run(rng, limits, None, _silent, timely, _silent_best, nobody)
+    run = Run(rng, limits, None, nobody, timely, nobody)
     draft = planner.decomposition.plan(scenario, planner, run)
     trajectories = trajectories_of(scenario, draft.controls)
     return plan_of(scenario, planner, seed, draft, trajectories, None, {})
@@ -230,8 +241,7 @@ def _check_options(
     """Refuse options that planning would stumble over only after a while."""
     check_rng(rng)
     check_time_limit(time_limit)
-    if executor is not None and not callable(getattr(executor, "submit", None)):
-        check_kind(executor, Executor, "executor", "a concurrent.futures.Executor or None")
+    check_executor(executor)
     check_callable(progress, "progress")
     check_callable(stop, "stop")
 
@@ -253,16 +263,6 @@ def _judged(
     seconds = {**draft.seconds, "certificate": ended - judging, "total": ended - begun}
     judged = plan_of(scenario, planner, seed, draft, trajectories, certificate, seconds)
     return Result(judged, certificate, draft.steps, draft.events)
-
-
-def _silent(stage: str, done: int, total: int | None) -> None:
-    """Take progress without showing it."""
-    del stage, done, total
-
-
-def _silent_best(cost: float, bound: float | None) -> None:
-    """Take the best plan so far without showing it."""
-    del cost, bound
 
 
 def _with_limits(draft: Draft, limits: Limits) -> Draft:

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+import re
 import reprlib
-from numbers import Real
+from numbers import Integral, Real
 
 import numpy as np
 
-__all__ = ["count_text", "one", "percent", "value_text"]
+__all__ = [
+    "changed_texts",
+    "count_text",
+    "names_of_choices",
+    "number_text",
+    "one",
+    "percent",
+    "value_text",
+    "with_options",
+]
 
 _LONGEST = 60
 """Letters of a value that a message shows; longer ones are shortened."""
@@ -54,3 +64,61 @@ def count_text(number: int, noun: str) -> str:
         Of what; its plural must end in s.
     """
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def number_text(value: float) -> str:
+    """Return the shortest text that is read back as the same number: ``3``, ``1e-06``.
+
+    Parameters
+    ----------
+    value : float
+        Python's or numpy's.
+    """
+    if isinstance(value, Integral):
+        return str(int(value))
+    short = f"{value:g}"
+    return short if float(short) == value else repr(float(value))
+
+
+def with_options(name: str, *options: str) -> str:
+    """Return ``name``, or ``name(one, other)`` where some options are not empty.
+
+    Parameters
+    ----------
+    name : str
+        Of a choice.
+    *options : str
+        What is said of it.
+    """
+    told = ", ".join(filter(None, options))
+    return f"{name}({told})" if told else name
+
+
+def changed_texts(record: object, usual: object, *names: str) -> tuple[str, ...]:
+    """Return ``keep=0.5`` for every number of a record that is not the usual one.
+
+    Parameters
+    ----------
+    record, usual : object
+        Of the same class; the second by default.
+    *names : str
+        Fields to compare.
+    """
+    values = ((name, getattr(record, name)) for name in names)
+    return tuple(
+        f"{name}={number_text(value)}" for name, value in values if value != getattr(usual, name)
+    )
+
+
+def names_of_choices(text: str) -> tuple[str, ...]:
+    """Return the names of policy, solver and decomposition, without their options.
+
+    Parameters
+    ----------
+    text : str
+        What `str` makes of a planner, as it stands in plans: ``optimal, branch, certified(3)``.
+    """
+    # Options have options of their own in turn: couplings(1e-06, receding(reset)).
+    while (bare := re.sub(r"\([^()]*\)", "", text)) != text:
+        text = bare
+    return tuple(part.strip() for part in text.split(","))[:3]

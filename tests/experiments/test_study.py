@@ -16,6 +16,8 @@ from studies import small, smallest
 from radmpc.errors import FileFormatError
 from radmpc.experiments.study import (
     Journal,
+    Row,
+    quick_study,
     read_rows,
     run_study,
     run_task,
@@ -171,3 +173,12 @@ def test_killed_again_and_again_it_loses_nothing_and_does_nothing_twice(tmp_path
     assert subprocess.run(command, check=False, timeout=120).returncode == 0
     keys = [row.key for row in read_rows(path)]
     assert keys == [task.key for task in smallest(4, samples=1000).tasks()]
+
+
+def test_rows_of_journals_that_tell_no_limit_of_nodes_are_still_known():
+    (task, *_) = (each for each in quick_study().tasks() if each.method == "ira")
+    assert "max_nodes" in str(task.planner)
+    # A row's key depends on nothing but these fields.
+    told = {name: getattr(task, name) for name in ("method", "vehicles", "seed", "samples", "cap")}
+    fields = dict.fromkeys(Row.__annotations__) | told | {"planner": "ira, branch, centralized"}
+    assert Row(**fields).key == task.key

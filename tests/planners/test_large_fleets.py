@@ -174,12 +174,13 @@ def test_a_large_round_just_above_the_bound_is_rescaled_by_what_the_referee_foun
 
 def test_programs_of_sets_are_given_up_once_these_are_merged_and_no_others():
     programs = Fleet.of(fleet(8, 0), GAP, Limits(float("inf"), never)).programs
-    for members in ((0, 1), (2, 3), (1, 2), (4, 5), (0,), (0, 1, 2, 3)):
-        programs.problem(members)
-    kept = {m for m in ((0, 1), (2, 3), (1, 2), (4, 5), (0,), (0, 1, 2, 3)) if programs.is_built(m)}
+    all_members = ((0, 1), (2, 3), (1, 2), (4, 5), (0,), (0, 1, 2, 3))
+    first = {members: programs.problem(members) for members in all_members}
+    kept = {members for members in all_members if programs.problem(members) is first[members]}
     assert kept == {(4, 5), (0,), (0, 1, 2, 3)}
     # Asked for again, a part is built again, and given up with the next set that holds it.
-    programs.problem((0, 1))
+    again = programs.problem((0, 1))
+    assert again is programs.problem((0, 1))
     programs.problem((0, 1, 4))
-    assert not programs.is_built((0, 1))
-    assert programs.is_built((4, 5))
+    assert programs.problem((0, 1)) is not again
+    assert programs.problem((4, 5)) is first[(4, 5)]

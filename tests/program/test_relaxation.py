@@ -39,7 +39,7 @@ from radmpc.solvers.priced.rating import Rater
 @pytest.mark.parametrize("radius", [0.1, 0.4, 1.0, 3.0, 30.0])
 def test_what_a_disc_collects_is_that_of_the_noncentral_chi_square(radius: float) -> None:
     distances = np.linspace(-0.5 * radius, 6.0, 15)
-    found = disc_probability(np.full(15, radius), distances)
+    found = disc_probability(np.full(15, radius))(distances)
     expected = ncx2.cdf(radius**2, 2, (distances + radius) ** 2)
     assert np.allclose(found, expected, rtol=1e-9, atol=1e-14)
 

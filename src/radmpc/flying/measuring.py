@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor
 
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import check_integer, check_kind, is_number, value_text
+from radmpc.arguments import check_executor, check_integer, is_number, value_text
 from radmpc.arrays import Frozen, Vector, as_vector, field_names
 from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, ScenarioError
 from radmpc.flying.tick import Contact
@@ -195,8 +194,7 @@ def check_options(seed: object, executor: object, warm: object) -> None:
         If the seed is negative.
     """
     check_integer(seed, "seed", 0)
-    if executor is not None and not callable(getattr(executor, "submit", None)):
-        check_kind(executor, Executor, "executor", "a concurrent.futures.Executor or None")
+    check_executor(executor)
     if warm is not None and not isinstance(warm, bool):
         raise ArgumentTypeError(f"warm must be True, False or None, got {value_text(warm)}")
 

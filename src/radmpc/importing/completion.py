@@ -105,7 +105,7 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
     choices["risk bound"] = f"{risk_bound:g}" + (" (as asked)" if options.risk_bound else "")
     avoidance = options.chosen_avoidance
     choices["avoidance"] = avoidance
-    choices["goals"] = _describe_goals(problem.vehicles, choices.get("goals"))
+    choices["goals"] = _describe_goals(choices.get("goals"))
     origin = {} if problem.origin is None else {"origin": dict(problem.origin)}
     scenario = Scenario(
         name=problem.name,
@@ -184,7 +184,7 @@ def _noises(
     return noises
 
 
-def _describe_goals(vehicles: tuple[ForeignVehicle, ...], regions: str | None) -> str:
+def _describe_goals(regions: str | None) -> str:
     """Return what the goals are, in words."""
     place = f"within {_GOAL_HALF_WIDTH:g} radius of the published point per axis"
     if regions is not None:

@@ -26,6 +26,7 @@ from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.sets import SetPlan, in_order, plan_sets, verdict_of_sets
 from radmpc.records import dataclass
 from radmpc.solvers.solution import Outcome
+from radmpc.wording import number_text
 
 __all__ = ["Distance", "close_pairs"]
 
@@ -52,7 +53,7 @@ class Distance(Decomposition):
             )
 
     def __str__(self) -> str:
-        return f"distance({self.meters:g})"
+        return f"distance({number_text(self.meters)})"
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
         """Plan every vehicle alone, then together those whose paths come close.

@@ -99,6 +99,9 @@ class Draft:
         Shadow price of Δ: what a little more of it would save, per unit of probability.
     couplings : tuple of Coupling
         Why the vehicles of a set were planned together.
+    rules_out_any : bool
+        Whether an infeasible status holds of any plan that the referee would certify, not of plans
+        by the half-spaces that were searched alone.
     stopped_by : str or None
         The limit that ended the search, as a clause; None where the caller's own limits tell.
     """
@@ -115,3 +118,4 @@ class Draft:
     price: float | None = None
     couplings: tuple[Coupling, ...] = ()
     stopped_by: str | None = None
+    rules_out_any: bool = False

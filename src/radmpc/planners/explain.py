@@ -16,6 +16,7 @@ from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.planner import Planner
 from radmpc.planners.policies.policy import SolveRequest
 from radmpc.planners.presolve import Reason, endpoint_reasons, grouped
+from radmpc.planners.reaching.empty_space import in_empty_space
 from radmpc.planners.reaching.limits import reach_texts, too_fast_texts
 from radmpc.planners.reaching.reserves import overdrawn_texts
 from radmpc.planners.reaching.visiting import makes_visits
@@ -209,7 +210,7 @@ def unable_alone(scenario: Scenario, model: CondensedModel) -> tuple[str, str] |
     sure = overdrawn_texts(model) or too_fast_texts(model)
     if sure is not None:
         return sure
-    alone = _without_hazards(scenario, model)
+    alone = in_empty_space(scenario, model.vehicle)
     if _is_able_alone(alone, model):
         return None
     texts, outside = reach_texts(scenario, model), outside_norms(model.vehicle)
@@ -229,18 +230,6 @@ def _is_able_alone(alone: Scenario, model: CondensedModel) -> bool:
     empty = build_program(alone, [model], risk_bound=alone.risk_bound)
     outcome, _ = WarmLp(empty, np.zeros(empty.rows.count)).solve()
     return outcome is not LpOutcome.INFEASIBLE and makes_visits(model) is not False
-
-
-def _without_hazards(scenario: Scenario, model: CondensedModel) -> Scenario:
-    """Return the scenario of one vehicle in empty space."""
-    return Scenario(
-        name=scenario.name,
-        dt=scenario.dt,
-        horizon=scenario.horizon,
-        risk_bound=scenario.risk_bound,
-        vehicles=(model.vehicle,),
-        avoidance=scenario.avoidance,
-    )
 
 
 def _solved_alone(

@@ -29,11 +29,14 @@ class LeastEffort:
         The plan; None where there is none, or where steps of visits are open.
     basis : bytes
         Where its program ended, for `alone_in_space`; empty where that is not to be had.
+    is_out_of_reach : bool
+        Whether its program has no solution, which proves that it cannot reach its goal.
     """
 
     cost: float
     controls: Matrix | None
     basis: bytes = b""
+    is_out_of_reach: bool = False
 
 
 def least_effort(model: CondensedModel) -> LeastEffort:
@@ -74,7 +77,7 @@ def _least_effort(model: CondensedModel) -> LeastEffort:
     lp.add_rows(columns.hard, columns.hard_lower, columns.hard_upper)
     outcome, cost = lp.solve()
     if outcome is not LpOutcome.OPTIMAL:
-        return LeastEffort(0.0, None)
+        return LeastEffort(0.0, None, is_out_of_reach=outcome is LpOutcome.INFEASIBLE)
     if columns.times is not None:
         return LeastEffort(cost, None)
     plus, minus = np.split(lp.point(), 2)

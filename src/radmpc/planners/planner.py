@@ -18,8 +18,12 @@ from radmpc.planners.policies.policy import Family, Policy
 from radmpc.planners.verdict import Judge
 from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits, Solver
+from radmpc.wording import number_text
 
 __all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "nobody"]
+
+_GAP = 1e-3
+"""Relative gap at which each solve stops where none is asked for [-]."""
 
 Progress = Callable[[str, int, int | None], None]
 """Told the stage, its parts done, and how many there are, if that is known."""
@@ -31,14 +35,8 @@ Improved = Callable[[tuple[Matrix, ...]], None]
 """Given every vehicle's controls in a plan that is certified and the best so far."""
 
 
-def nobody(controls: tuple[Matrix, ...]) -> None:
-    """Take a plan without handing it on."""
-    del controls
-
-
-def _nothing_told(cost: float, bound: float | None) -> None:
-    """Take what is known of a plan without telling it."""
-    del cost, bound
+def nobody(*_: object) -> None:
+    """Take progress, what a plan costs, or a plan, without telling anybody."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +77,7 @@ class Run:
         Run
             With the same limits, randomness and referee.
         """
-        return replace(self, found=_nothing_told, improved=nobody)
+        return replace(self, found=nobody, improved=nobody)
 
 
 class Decomposition(ABC):
@@ -150,7 +148,7 @@ class Planner:
     policy: Policy
     solver: Solver
     decomposition: Decomposition
-    gap: float = 1e-3
+    gap: float = _GAP
 
     def __post_init__(self) -> None:
         """Refuse choices that do not go together."""
@@ -224,4 +222,5 @@ class Planner:
         return self.policy.family != "deterministic"
 
     def __str__(self) -> str:
-        return f"{self.policy}, {self.solver}, {self.decomposition}"
+        gap = "" if self.gap == _GAP else f", gap={number_text(self.gap)}"
+        return f"{self.policy}, {self.solver}, {self.decomposition}{gap}"

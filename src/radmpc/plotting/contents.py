@@ -59,10 +59,10 @@ def _draw_trajectories(
         look = colors[vehicle.name], dashes[vehicle.name]
         path = mean_path(vehicle, trajectory)
         if isinstance(board, SpaceBoard):
-            draw_trajectory_3d(ax, vehicle, trajectory, scenario.dt, *look)
+            draw_trajectory_3d(ax, vehicle, trajectory, *look)
             board.avoid(path[::2])
             continue
-        draw_trajectory(ax, vehicle, trajectory, scenario.dt, *look, plane)
+        draw_trajectory(ax, vehicle, trajectory, *look, plane)
         board.avoid(path[::2, list(plane)])
         ellipses = confidence_ellipses(vehicle, trajectory, plane=plane)
         board.avoid(*(outline[::4] for outline in ellipses))

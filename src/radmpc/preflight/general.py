@@ -12,6 +12,7 @@ from radmpc.model.limits import outside_norms
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.planners.explain import unable_alone
+from radmpc.planners.reaching.empty_space import in_empty_space
 from radmpc.planners.reaching.limits import (
     is_late_whatever_horizon,
     reach_texts,
@@ -147,13 +148,6 @@ def reach(scenario: Scenario, vehicle: Vehicle) -> tuple[Matrix, Matrix]:
 
 def _alone(scenario: Scenario, vehicle: Vehicle, horizon: int) -> tuple[Scenario, CondensedModel]:
     """Return a vehicle in empty space, over a horizon."""
-    alone = Scenario(
-        name=scenario.name,
-        dt=scenario.dt,
-        horizon=horizon,
-        risk_bound=scenario.risk_bound,
-        vehicles=(vehicle,),
-        avoidance=scenario.avoidance,
-    )
+    alone = in_empty_space(scenario, vehicle, horizon)
     (model,) = condensed_models(alone)
     return alone, model

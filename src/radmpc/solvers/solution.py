@@ -22,6 +22,7 @@ __all__ = [
     "Solution",
     "Solver",
     "cutoff_below",
+    "never",
     "relative_gap",
 ]
 

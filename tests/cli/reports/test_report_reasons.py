@@ -49,6 +49,14 @@ def test_a_plan_without_a_shadow_price_says_why(
     assert f"shadow price      not computed: {why}" in text
 
 
+def test_a_planner_with_another_gap_has_no_other_reason_to_lack_a_price(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    planner = "optimal, branch, certified(3), gap=0.01"
+    text = shown(capsys, make_plan(planner=planner, risk=Risk(0.05, 0.0)))
+    assert "shadow price      not computed: the plan runs no risk" in text
+
+
 def test_a_planner_that_bounds_no_risk_has_no_line_for_its_price(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

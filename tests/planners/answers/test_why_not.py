@@ -17,7 +17,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners import Centralized, Ira, Planner
+from radmpc.planners import Centralized, Certified, Ira, Optimal, Planner
 from radmpc.planners.certified import certified, fallbacks
 from radmpc.planners.certified.infeasible.explanation import why_not
 from radmpc.planners.certified.infeasible.least_risk import least_risk
@@ -25,6 +25,8 @@ from radmpc.planners.certified.phases import searching
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.cures.variants import with_noise
+from radmpc.planners.outcome.record import Certifying
+from radmpc.planners.planner import Run, nobody
 from radmpc.planning import plan
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits
@@ -254,6 +256,7 @@ def test_what_a_search_along_intervals_rules_out_is_said_to_hold_of_whole_steps(
     blocked = scenario(vehicle("a", (0, 0), (10, 0)), obstacles=wall_with_gap(0.1))
     found = why_not(replace(blocked, avoidance="intervals"), Limits())
     assert found.is_proven
+    assert not found.rules_out_any
     assert "on one side over a whole step" in found.explanation
 
 
@@ -261,4 +264,21 @@ def test_of_goals_out_of_reach_nothing_is_said_of_whole_steps():
     late = replace(scenario(vehicle("a", (0, 0), (1000, 0))), avoidance="intervals")
     found = why_not(late, Limits())
     assert found.is_proven
+    assert found.rules_out_any
     assert "whole step" not in found.explanation
+
+
+@pytest.mark.parametrize("limits", [{}, {"speed_norm": 3.0}])
+def test_drafts_tell_whether_their_proof_holds_of_any_plan(limits):
+    planner = Planner(Optimal(), Branch(), Certified(0.0))
+
+    def drafted(one):
+        judge = Certifying(one, planner).judge
+        run = Run(np.random.default_rng(0), Limits(), None, nobody, judge, nobody)
+        return planner.decomposition.plan(one, planner, run)
+
+    late = drafted(scenario(replace(vehicle("a", (0, 0), (1000, 0)), **limits)))
+    assert late.status is Status.INFEASIBLE
+    assert late.rules_out_any
+    free = drafted(scenario(replace(vehicle("a", (0, 0), (4, 0)), **limits)))
+    assert not free.rules_out_any

@@ -8,7 +8,7 @@ from radmpc.model.limits import tight_limits
 from radmpc.model.plan import Coupling, Plan, Status
 from radmpc.model.relations.couplings import unexplained_sets
 from radmpc.model.scenario import Scenario
-from radmpc.wording import count_text, percent
+from radmpc.wording import count_text, names_of_choices, percent
 
 __all__ = [
     "advice_text",
@@ -223,7 +223,7 @@ def price_text(plan: Plan) -> str:
 def _no_price(plan: Plan) -> str:
     """Return why a plan comes without a shadow price."""
     certified, bound = plan.risk.certified, plan.risk.bound
-    if plan.planner.rpartition(", ")[2].partition("(")[0] != _PRICED:
+    if _PRICED not in names_of_choices(plan.planner):
         return f"only the planner '{_PRICED}' looks for it"
     if certified is not None and certified <= 0.0:
         return "the plan runs no risk"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import time
 from collections.abc import Callable
 
@@ -52,7 +53,8 @@ class Task:
     @property
     def key(self) -> tuple[str, str, int, int, int, float]:
         """What makes two rows answers to the same task."""
-        return (self.method, str(self.planner), self.vehicles, self.seed, self.samples, self.cap)
+        planner = _without_nodes(str(self.planner))
+        return (self.method, planner, self.vehicles, self.seed, self.samples, self.cap)
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +130,8 @@ class Row:
     @property
     def key(self) -> tuple[str, str, int, int, int, float]:
         """What makes two rows answers to the same task."""
-        return (self.method, self.planner, self.vehicles, self.seed, self.samples, self.cap)
+        planner = _without_nodes(self.planner)
+        return (self.method, planner, self.vehicles, self.seed, self.samples, self.cap)
 
     @property
     def has_plan(self) -> bool:
@@ -138,6 +141,11 @@ class Row:
     def is_success(self, bound: float) -> bool:
         """Whether the plan collides in at most this share of the samples, as the paper counts."""
         return self.rate is not None and self.rate <= bound
+
+
+def _without_nodes(planner: str) -> str:
+    """Return a planner's line without its limit of nodes, which older journals do not tell."""
+    return re.sub(r"\(max_nodes=\d+\)", "", planner)
 
 
 def run_task(task: Task, stop: Callable[[], bool] | None = None) -> Row:

@@ -29,6 +29,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass, field, replace
 from radmpc.referee.conditional.conditional import Conditional
 from radmpc.referee.conditional.scales import Scale
+from radmpc.solvers.solution import never
 
 __all__ = ["Moment", "Sources"]
 
@@ -153,7 +154,7 @@ class Sources:
             self.times.in_time(judge, Timer(clock, float("inf")), left.horizon)
         if not self.is_warm or scenario.has_windows:
             return
-        asked = Try(left, controls, is_safest=False, is_stopped=lambda: False)
+        asked = Try(left, controls, is_safest=False, is_stopped=never)
         for _ in range(_REHEARSALS):
             self.warm.search(asked)
         if self.miss_price > 0.0:

@@ -21,6 +21,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import check_takes
+from radmpc.solvers.solution import never
 from radmpc.version import __version__
 
 __all__ = ["Progress", "begin_flight", "check_replan", "resume_flight"]
@@ -40,7 +41,7 @@ def begin_flight(
     settings: FlightSettings,
     path: str | os.PathLike[str] | None = None,
     *,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Callable[[], bool] = never,
     progress: Progress | None = None,
 ) -> FlightRecord:
     """Fly a plan, and write down every tick before it is flown.
@@ -120,7 +121,7 @@ def check_replan(scenario: Scenario, settings: FlightSettings) -> None:
 def resume_flight(
     path: str | os.PathLike[str],
     *,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Callable[[], bool] = never,
     progress: Progress | None = None,
 ) -> FlightRecord:
     """Go on with a flight from its file, however it ended.

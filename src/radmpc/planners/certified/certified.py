@@ -40,11 +40,13 @@ from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
 from radmpc.planners.within_norms import models_within_norms
 from radmpc.program.build import condensed_models
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass, replace
 from radmpc.solvers.branch.branch import Branch
-from radmpc.solvers.solution import Solver, relative_gap
+from radmpc.solvers.solution import Limits, Solver, relative_gap
 from radmpc.system.memory import hand_back_freed
+from radmpc.wording import number_text, with_options
 
 __all__ = ["Certified"]
 
@@ -83,7 +85,9 @@ class Certified(Decomposition):
             raise ScenarioError(f"proof_seconds must be a number >= 0, got {value_text(seconds)}")
 
     def __str__(self) -> str:
-        return "certified" if self.proof_seconds is None else f"certified({self.proof_seconds:g})"
+        # What is tried where there is no plan makes no other plan, and is not told.
+        seconds = "" if self.proof_seconds is None else number_text(self.proof_seconds)
+        return with_options("certified", seconds)
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
         """Plan a fleet to a proven gap; every plan is certified.
@@ -129,27 +133,24 @@ class Certified(Decomposition):
     ) -> Draft:
         """Return a draft without a plan that says why there is none."""
         text, is_proven = answer.explanation, answer.is_proven
-        if is_proven and not self._holds_outside_norms(scenario, planner, run):
-            is_proven, text = False, text if "polytope" in text else f"{text} {_WITHIN_NORMS}"
+        rules_out_any = is_proven and answer.rules_out_any
+        if is_proven and all_outside_norms(scenario) is not scenario:
+            rules_out_any = _is_sure_outside_norms(scenario, run.limits)
+            is_proven = rules_out_any or self._holds_outside_norms(scenario, planner, run)
+            if not is_proven and "polytope" not in text:
+                text = f"{text} {_WITHIN_NORMS}"
         status = Status.INFEASIBLE if is_proven else Status.LIMIT
         sets = (tuple(range(scenario.num_vehicles)),) if is_proven else ()
         seconds = {"sets": time.perf_counter() - begun}
-        return Draft(status, (), sets, (), (), seconds, text)
+        return Draft(status, (), sets, (), (), seconds, text, rules_out_any=rules_out_any)
 
     def _holds_outside_norms(self, scenario: Scenario, planner: Planner, run: Run) -> bool:
         """Tell whether what programs say of having no plan holds of the limits of norms themselves.
 
-        Programs keep to polytopes within these. Without such limits it does, and with them where
-        there is no plan between polytopes around these, either.
+        Programs keep to polytopes within these. It does where there is no plan between polytopes
+        around these, either.
         """
-        outside = all_outside_norms(scenario)
-        if outside is scenario:
-            return True
-        # Once more, as what looks for reasons may turn its polytopes, too.
-        outside = all_outside_norms(outside)
-        models = condensed_models(outside)
-        if sure_why_not(outside, models, run.limits) is not None:
-            return True
+        outside, models = _outside_norms(scenario)
         hazards, quiet = Hazards.of(outside, models), run.in_silence()
         found = searched(outside, hazards, planner, quiet, self.proof_seconds, is_persistent=True)
         has_any = found.state.has_plan or found.first.controls
@@ -204,6 +205,18 @@ class Certified(Decomposition):
         outside = outside_norms_of(fleet, state.incumbent.controls)
         proof = bound_on_any(outside, state.incumbent, price, most_nodes, proven)
         return replace(proof, is_outside=outside is not fleet)
+
+
+def _outside_norms(scenario: Scenario) -> tuple[Scenario, tuple[CondensedModel, ...]]:
+    """Return a scenario between polytopes around its norms, condensed."""
+    # Twice, as what looks for reasons may turn its polytopes, too.
+    outside = all_outside_norms(all_outside_norms(scenario))
+    return outside, condensed_models(outside)
+
+
+def _is_sure_outside_norms(scenario: Scenario, limits: Limits) -> bool:
+    """Whether no plan keeps the norms, as far as no search is needed to know."""
+    return sure_why_not(*_outside_norms(scenario), limits) is not None
 
 
 def _nodes_of_proof(fleet: Fleet, state: SearchState, is_timed: bool) -> float:

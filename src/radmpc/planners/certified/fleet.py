@@ -35,10 +35,6 @@ __all__ = ["Fleet"]
 _TUNED = TUNING.budgets
 
 
-def _silent(*_: float) -> None:
-    """Take progress without showing it."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Fleet:
     """What a search is given: it never changes, and every phase is handed it.
@@ -98,8 +94,8 @@ class Fleet:
         gap: float,
         limits: Limits,
         *,
-        progress: Callable[[int, int], None] = _silent,
-        found: Callable[[float, float], None] = _silent,
+        progress: Callable[[int, int], None] = nobody,
+        found: Callable[[float, float], None] = nobody,
         improved: Improved = nobody,
         executor: Executor | None = None,
         is_costless: bool = False,

@@ -214,7 +214,7 @@ def advance(
         tree.consider(order.hint)
     tree.run(min(order.max_nodes, _TUNED.patience * len(problem.members)))
     if tree.best is None and tree.is_limited and not limits.reached:
-        _rescue(problem, scenario, tree, order, limits)
+        _rescue(problem, scenario, tree, limits)
     has_time = tree.is_limited and not limits.reached
     if problem.passage is not None and has_time and not order.is_rough:
         found = problem.passage.plan(order.unit_price, order.scale, limits, tree.best)
@@ -242,9 +242,7 @@ def _proven(tree: RiskTree, order: Order) -> float:
     return bound if tree.best is None else min(bound, tree.value)
 
 
-def _rescue(
-    problem: SetProblem, scenario: Scenario, tree: RiskTree, order: Order, limits: Limits
-) -> None:
+def _rescue(problem: SetProblem, scenario: Scenario, tree: RiskTree, limits: Limits) -> None:
     """Look for any plan by iterative risk allocation, which has heuristics for coupled sets."""
     from radmpc.planners.coarse_search import propose_alternatives  # noqa: PLC0415 - few need it
     from radmpc.planners.policies.ira import Ira  # noqa: PLC0415 - few need it

@@ -76,10 +76,6 @@ class SetPrograms:
             self._keep(problem.without_cost() if self.is_costless else problem)
         return self._problems[members]
 
-    def is_built(self, members: Members) -> bool:
-        """Tell whether a set's program is there."""
-        return members in self._problems
-
     def _keep(self, problem: SetProblem) -> None:
         """Keep a set's program, known by each of its members."""
         self._problems[problem.members] = problem

@@ -112,7 +112,7 @@ class PriceSearch:
         """Choose price and effort of the next round; tell whether there is nothing to choose."""
         fleet = self.fleet
         if candidate.is_initial:
-            return _after_initial_plan(fleet, state, candidate), False
+            return _after_initial_plan(state, candidate), False
         left_open = state.incumbent.cost - bound_on_cost(fleet, state)
         if candidate.is_limited and candidate.open_gap > _TUNED.search_share * left_open:
             # The searches leave more open than a better price could close.
@@ -151,7 +151,7 @@ def _is_closed(fleet: Fleet, state: SearchState, candidate: Round) -> bool:
     return is_proven(fleet, state) and (state.has_failed or is_fine or state.effort > 1)
 
 
-def _after_initial_plan(fleet: Fleet, state: SearchState, candidate: Round) -> SearchState:
+def _after_initial_plan(state: SearchState, candidate: Round) -> SearchState:
     """Raise the price where the initial plan risks too much, before searching at length."""
     if candidate.risk > _TUNED.overdrawn * state.budget:
         tried = (*state.tried, (state.unit_price, candidate.risk))

@@ -18,7 +18,7 @@ from radmpc.planners.policies import Pool
 from radmpc.planners.sets import SetPlan, in_order, plan_sets, verdict_of_sets
 from radmpc.records import dataclass, field
 from radmpc.solvers.solution import Outcome
-from radmpc.wording import count_text
+from radmpc.wording import count_text, number_text, with_options
 
 __all__ = ["Couplings"]
 
@@ -62,8 +62,9 @@ class Couplings(Decomposition):
                 raise ScenarioError(f"{name} must be a {kind.__name__}, got {value_text(part)}")
 
     def __str__(self) -> str:
-        how = "" if self.approximation == Receding() else f", {self.approximation}"
-        return f"couplings({self.threshold:g}{how})"
+        how = "" if self.approximation == Receding() else str(self.approximation)
+        policy = "" if self.approximation_policy == Pool() else str(self.approximation_policy)
+        return with_options("couplings", number_text(self.threshold), how, policy)
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
         """Run Algorithm 1: approximate, find couplings, plan every set with its share of Δ.

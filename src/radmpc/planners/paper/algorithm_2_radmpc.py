@@ -32,6 +32,7 @@ from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.start import start_pair_risk
 from radmpc.records import dataclass
 from radmpc.solvers.solution import Outcome
+from radmpc.wording import number_text, with_options
 
 __all__ = ["Receding", "approximate"]
 
@@ -70,8 +71,8 @@ class Receding(Decomposition):
 
     def __str__(self) -> str:
         options = [o for o in (self.covariances, self.arrivals) if o not in {"schedule", "once"}]
-        options += [f"{self.sigmas:g} sigmas"] if self.sigmas != 3.0 else []
-        return f"receding({', '.join(options)})" if options else "receding"
+        options += [f"{number_text(self.sigmas)} sigmas"] if self.sigmas != 3.0 else []
+        return with_options("receding", *options)
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
         """Run Algorithm 2 alone: its executed controls are the plan.

@@ -8,6 +8,7 @@ from radmpc.arguments import is_number, value_text
 from radmpc.errors import ScenarioError
 from radmpc.planners.policies.policy import Family, Policy, RiskUse, Solved, SolveRequest
 from radmpc.records import dataclass
+from radmpc.wording import number_text
 
 __all__ = ["NoRisk", "Sigmas"]
 
@@ -48,7 +49,7 @@ class Sigmas(Policy):
             raise ScenarioError(f"sigmas must lie between 0 and 7, got {value_text(self.count)}")
 
     def __str__(self) -> str:
-        return f"sigmas({self.count:g})"
+        return f"sigmas({number_text(self.count)})"
 
     def solve(self, request: SolveRequest) -> Solved:
         """Solve once; see `Policy.solve`."""

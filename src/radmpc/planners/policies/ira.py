@@ -23,7 +23,7 @@ from radmpc.records import dataclass
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.lp.one_selection import solve_selection
 from radmpc.solvers.solution import Outcome, Solution
-from radmpc.wording import count_text
+from radmpc.wording import changed_texts, count_text, with_options
 
 __all__ = ["Ira"]
 
@@ -79,8 +79,9 @@ class Ira(Policy):
             )
 
     def __str__(self) -> str:
-        name = "ira" if self.direction == "to_active" else f"ira({self.direction})"
-        return name + spread_text(self.spread)
+        direction = "" if self.direction == "to_active" else self.direction
+        numbers = changed_texts(self, Ira(), "active_tol", "keep", "max_iterations")
+        return with_options("ira", direction, spread_text(self.spread), *numbers)
 
     def solve(self, request: SolveRequest) -> Solved:
         """Alternate between solving and reallocating; see `Policy.solve`."""
@@ -104,7 +105,8 @@ class _Iteration:
         best_allocation = allocation
         steps: list[Step] = []
         start: Indices | None = None
-        for iteration in range(self.policy.max_iterations):
+        while True:
+            iteration = len(steps)
             solution = self._solve(allocation, start)
             if solution.outcome is Outcome.INFEASIBLE and iteration == 0:
                 found = self._other_start()
@@ -130,12 +132,10 @@ class _Iteration:
             fell = best is None or solution.cost < best.cost - request.gap * abs(best.cost)
             if best is None or solution.cost < best.cost:
                 best, best_allocation = solution, allocation
-            if not fell or upper.num_active in {0, upper.num_chosen} or request.limits.reached:
-                break
+            is_last = iteration + 1 >= self.policy.max_iterations or request.limits.reached
+            if is_last or not fell or upper.num_active in {0, upper.num_chosen}:
+                return Solved(best, best_allocation, tuple(steps))
             allocation, start = upper.allocation, solution.selection
-        if best is None:  # max_iterations < 1
-            return Solved(self._solve(allocation, None), allocation, ())
-        return Solved(best, best_allocation, tuple(steps))
 
     def _other_start(self) -> tuple[Vector, Indices] | None:
         """Return an allocation and a selection to begin with where the uniform one has no solution.

@@ -9,6 +9,7 @@ from radmpc.planners.policies.policy import Family, Policy, Solved, SolveRequest
 from radmpc.planners.policies.uniform import solve_uniformly, spread_text
 from radmpc.program.allocation import Spread
 from radmpc.records import dataclass
+from radmpc.wording import with_options
 
 __all__ = ["Pool"]
 
@@ -37,8 +38,8 @@ class Pool(Policy):
         check_word(self.spread, ("reached", "all"), "spread")
 
     def __str__(self) -> str:
-        name = "pool" if self.charge == "allocated" else f"pool({self.charge})"
-        return name + spread_text(self.spread)
+        charge = "" if self.charge == "allocated" else self.charge
+        return with_options("pool", charge, spread_text(self.spread))
 
     @property
     def charges_used(self) -> bool:

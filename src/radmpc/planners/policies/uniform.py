@@ -8,6 +8,7 @@ from radmpc.arguments import check_word
 from radmpc.planners.policies.policy import Family, Policy, RiskUse, Solved, SolveRequest
 from radmpc.program.allocation import Spread, allocated, margins_of, uniform_allocation
 from radmpc.records import dataclass
+from radmpc.wording import with_options
 
 __all__ = ["Uniform", "solve_uniformly", "spread_text"]
 
@@ -33,7 +34,7 @@ class Uniform(Policy):
         check_word(self.spread, ("reached", "all"), "spread")
 
     def __str__(self) -> str:
-        return "uniform" + spread_text(self.spread)
+        return with_options("uniform", spread_text(self.spread))
 
     def solve(self, request: SolveRequest) -> Solved:
         """Solve once; see `Policy.solve`."""
@@ -63,5 +64,5 @@ def solve_uniformly(request: SolveRequest, spread: Spread) -> Solved:
 
 
 def spread_text(spread: Spread) -> str:
-    """Return what a policy's name says of its spread."""
-    return "" if spread == "reached" else "(all rows)"
+    """Return what a policy's name says of its spread; empty of the usual one."""
+    return "" if spread == "reached" else "all rows"

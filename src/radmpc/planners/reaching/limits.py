@@ -7,6 +7,7 @@ from bisect import bisect_left
 import numpy as np
 
 from radmpc.model.scenario import Scenario
+from radmpc.planners.reaching.empty_space import in_empty_space
 from radmpc.planners.reaching.reserves import reserve_reason, reserve_text
 from radmpc.planners.reaching.visiting import UNREACHED, makes_visits, reaches_goal
 from radmpc.program.build import condensed_models
@@ -206,13 +207,7 @@ def _unvisited(scenario: Scenario, model: CondensedModel) -> Texts:
 
 def _without_feedback(scenario: Scenario, model: CondensedModel) -> CondensedModel:
     """Return a vehicle with all of its control."""
-    bare = Scenario(
-        name=scenario.name,
-        dt=scenario.dt,
-        horizon=scenario.horizon,
-        risk_bound=scenario.risk_bound,
-        vehicles=(replace(model.vehicle, gain=None),),
-    )
+    bare = in_empty_space(scenario, replace(model.vehicle, gain=None))
     return condensed_models(bare)[0]
 
 

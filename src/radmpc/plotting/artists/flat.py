@@ -172,7 +172,6 @@ def draw_trajectory(
     ax: Axes,
     vehicle: Vehicle,
     trajectory: Trajectory,
-    dt: float,
     color: Color,
     dashes: Dashes = "solid",
     plane: Plane = ABOVE,
@@ -187,8 +186,6 @@ def draw_trajectory(
         The vehicle.
     trajectory : Trajectory
         Its part of the plan.
-    dt : float
-        Step [s].
     color : (float, float, float)
         Of the vehicle.
     dashes : str or tuple

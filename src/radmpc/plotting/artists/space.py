@@ -182,7 +182,6 @@ def draw_trajectory_3d(
     ax: Axes3D,
     vehicle: Vehicle,
     trajectory: Trajectory,
-    dt: float,
     color: Color,
     dashes: Dashes = "solid",
 ) -> None:
@@ -196,8 +195,6 @@ def draw_trajectory_3d(
         The vehicle.
     trajectory : Trajectory
         Its part of the plan.
-    dt : float
-        Step [s].
     color : (float, float, float)
         Of the vehicle.
     dashes : str or tuple

@@ -31,8 +31,10 @@ _WIDEST = 9.0
 """How far to the side of the nearest point the disc is looked at [standard deviations]."""
 
 
-def disc_probability(radii: Vector, distances: Vector) -> Vector:
+def disc_probability(radii: Vector) -> Callable[[Vector], Vector]:
     r"""Return the probability that a standard normal point of the plane lies in a disc.
+
+    By the distance; what only the radii decide is computed once.
 
     .. math:: \int_{-\rho}^{\rho} \varphi(s)
               \left[Q(q + \rho - c) - Q(q + \rho + c)\right] ds, \qquad c = \sqrt{\rho^2 - s^2}
@@ -41,19 +43,14 @@ def disc_probability(radii: Vector, distances: Vector) -> Vector:
     ----------
     radii : (r,) array
         Radii ρ [standard deviations].
-    distances : (...) array that broadcasts against (r,)
-        Distance q from the mean to the disc's outline; negative inside.
 
     Returns
     -------
-    array
-        No more than the truth, but for the error of the quadrature.
+    callable
+        Takes distances q from the mean to the discs' outlines [standard deviations], negative
+        inside, an array that broadcasts against (r,). Returns no more than the truth, but for the
+        error of the quadrature.
     """
-    return _probability_in(radii)(distances)
-
-
-def _probability_in(radii: Vector) -> Callable[[Vector], Vector]:
-    """Return the probability by the distances: what only the radii decide is computed once."""
     widest = np.arcsin(np.minimum(_WIDEST / radii, 1.0))[..., None]
     angles = widest * _NODES
     side = radii[..., None] * np.sin(angles)
@@ -136,7 +133,7 @@ class DiscTails:
             Δ [-].
         """
         low, high = np.zeros(_RADII.size), np.full(_RADII.size, _FARTHEST)
-        probability = _probability_in(_RADII)
+        probability = disc_probability(_RADII)
         reachable = probability(low) > risk_bound
         for _ in range(40):
             middle = 0.5 * (low + high)

@@ -11,6 +11,7 @@ from radmpc.planners.presets import DEFAULT
 from radmpc.preflight import outlook_of
 from radmpc.serving.protocol import Cure, Remark
 from radmpc.serving.work.concerns import concern_remarks, horizon_cure, risk_bound_cure
+from radmpc.wording import names_of_choices
 
 __all__ = ["remarks_of"]
 
@@ -57,7 +58,7 @@ def _spender(plan: Plan, row: LedgerRow) -> Remark:
         f"{row.vehicle} and {other} at step {row.step}: a risk of {row.risk:.2g} of "
         f"{certified:.3g}, the bound is {plan.risk.bound:g}"
     )
-    if DEFAULT not in plan.planner:
+    if DEFAULT not in names_of_choices(plan.planner):
         text += f"; this planner does not keep to it, {DEFAULT} does"
     is_pair = row.cause == "pair" and row.other is not None
     return {

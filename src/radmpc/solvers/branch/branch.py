@@ -17,6 +17,7 @@ from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass
 from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver
+from radmpc.wording import changed_texts, with_options
 
 __all__ = ["Branch"]
 
@@ -34,7 +35,7 @@ class Branch(Solver):
     max_nodes: int = 5_000
 
     def __str__(self) -> str:
-        return "branch"
+        return with_options("branch", *changed_texts(self, Branch(), "max_nodes"))
 
     def solve(
         self,

@@ -22,6 +22,7 @@ from radmpc.solvers.rrt.course import course_of
 from radmpc.solvers.rrt.tree import RandomTree
 from radmpc.solvers.selection import least_violated, possible_alternatives, violations_of
 from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver, relative_gap
+from radmpc.wording import changed_texts, with_options
 
 __all__ = ["Rrt"]
 
@@ -58,7 +59,7 @@ class Rrt(Solver):
             raise ScenarioError(f"max_nodes must be at least 1, got {value_text(self.max_nodes)}")
 
     def __str__(self) -> str:
-        return "rrt"
+        return with_options("rrt", *changed_texts(self, Rrt(), "max_nodes"))
 
     def solve(
         self,

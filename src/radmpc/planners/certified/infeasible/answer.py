@@ -17,11 +17,15 @@ class WhyNot:
     explanation : str
         In sentences, naming vehicles, obstacles and times.
     is_proven : bool
-        Whether no plan is within the bound; otherwise none was found.
+        Whether the half-spaces searched, finer ones included, leave no plan; no proof against
+        others. Otherwise none was found.
     controls : tuple of (T, m) array
         The safest plan found meanwhile, for the referee to judge; empty without one.
     sets : tuple of tuple of int
         Who was planned together in it.
+    rules_out_any : bool
+        Whether what is proven leaves no plan by any half-spaces, within the polytopes that programs
+        keep to in place of limits of norms.
     blocked : tuple of int
         For whom the faces of the scenario leave no plan; empty where faces are not what matters.
     """
@@ -31,3 +35,4 @@ class WhyNot:
     controls: tuple[Matrix, ...] = ()
     sets: tuple[tuple[int, ...], ...] = ()
     blocked: tuple[int, ...] = ()
+    rules_out_any: bool = False

@@ -60,7 +60,7 @@ def describe_certain(scenario: Scenario, reasons: Sequence[Reason], limits: Limi
             texts += [sentence for _, sentence in grouped(scenario, [other])]
         elif found.risk <= part.risk_bound:
             texts.append(f"{_others(len(rest))} can be planned within the risk bound.")
-    return WhyNot(" ".join(texts), is_proven=True)
+    return WhyNot(" ".join(texts), is_proven=True, rules_out_any=True)
 
 
 def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
@@ -107,7 +107,8 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
         if found is not None and not found.stuck:
             texts.append(_of_rest(part, found, limits))
         blocked = () if slow else tuple(sorted({i for r in reasons for i in r.members}))
-        return WhyNot(" ".join(texts), is_proven=True, blocked=blocked)
+        # Who is late in empty space is so whatever half-spaces keep it clear of others.
+        return WhyNot(" ".join(texts), is_proven=True, blocked=blocked, rules_out_any=bool(slow))
     if found is None:  # a limit came first
         return WhyNot(ended(scenario, limits, models), is_proven=False)
     # Above Δ by union bounds, the safest plan may still be within it by the referee's.
