@@ -46,7 +46,7 @@ def run_elsewhere(
     executor : Executor
         Where they run.
     progress : callable
-        Told how many tasks are done, of how many.
+        Called with the number of tasks done, and of all.
     meanwhile : callable or None
         What is done here first, once all are handed out.
 

@@ -22,13 +22,13 @@ from radmpc.solvers.solution import Limits, Solver
 __all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "nobody"]
 
 Progress = Callable[[str, int, int | None], None]
-"""Told the stage, its parts done, and how many there are, if that is known."""
+"""Called with the stage, its parts done, and how many there are, None if that is not known."""
 
 TellBest = Callable[[float, float | None], None]
-"""Told the cost of the best plan so far, and a lower bound on plans like it, None without one."""
+"""Called with the cost of the best plan so far and a lower bound on plans like it, or None."""
 
 Improved = Callable[[tuple[Matrix, ...]], None]
-"""Given every vehicle's controls in a plan that is certified and the best so far."""
+"""Called with every vehicle's controls in a plan that is certified and the best so far."""
 
 
 def nobody(controls: tuple[Matrix, ...]) -> None:
@@ -54,11 +54,11 @@ class Run:
     executor : Executor or None
         Where independent sets are planned; None plans them here. The plan is the same.
     progress : callable
-        Told what planning is at.
+        Called with the stage of planning, its parts done and their number.
     judge : callable
-        What the referee says of every vehicle's controls, in the scenario's order.
+        Called with every vehicle's controls, in the scenario's order; returns the referee's verdict.
     found : callable
-        Told the cost of the best plan so far, and a lower bound or None.
+        Called with the cost of the best plan so far, and a lower bound or None.
     improved : callable
         Given the controls of the best plan so far, now and then, also the same twice.
     """
@@ -72,7 +72,7 @@ class Run:
     improved: Improved = nobody
 
     def in_silence(self) -> Run:
-        """Return the same run, of whose plans nobody is told.
+        """Return the same run, which does not hand on its plans.
 
         Returns
         -------
@@ -212,9 +212,8 @@ class Planner:
         for i, vehicle in enumerate(scenario.vehicles):
             if vehicle.via or vehicle.goal.within is not None:
                 raise ScenarioError(
-                    f"the planner '{called(self)}' goes straight for goals at the horizon, without "
-                    "visits; use certified, distance, or one that is centralized without random "
-                    "trees",
+                    f"the planner '{called(self)}' does not support visits or arrival windows; use "
+                    "certified, distance, or a centralized planner with branch or big_m",
                     ("vehicles", i, *(("via",) if vehicle.via else ("goal", "within"))),
                 )
 

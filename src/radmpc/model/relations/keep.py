@@ -94,7 +94,7 @@ def check_keep(keep: Sequence[Keep], names: Sequence[str]) -> None:
         pair = frozenset(one.vehicles)
         if pair in seen:
             raise ScenarioError(
-                f"names {one.vehicles[0]!r} and {one.vehicles[1]!r}, who stand there twice",
+                f"repeats the pair {one.vehicles[0]!r} and {one.vehicles[1]!r}",
                 ("keep", k, "vehicles"),
             )
         seen.add(pair)
