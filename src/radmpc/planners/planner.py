@@ -56,7 +56,7 @@ class Run:
     progress : callable
         Called with the stage of planning, its parts done and their number.
     judge : callable
-        Called with every vehicle's controls, in the scenario's order; returns the referee's verdict.
+        Called with every vehicle's controls, in the scenario's order; returns a verdict.
     found : callable
         Called with the cost of the best plan so far, and a lower bound or None.
     improved : callable
