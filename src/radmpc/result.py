@@ -72,7 +72,7 @@ class Result:
 
     @property
     def sets(self) -> tuple[tuple[str, ...], ...]:
-        """Who was planned together."""
+        """Vehicles that were planned together."""
         return self.record.sets
 
     @property

@@ -68,7 +68,7 @@ class Scenario:
         What a second costs until a vehicle whose goal has a window (``within``) arrives, >= 0
         [cost/s].
     keep : tuple of Keep
-        Who stays within a range of whom; losing it counts toward the risk bound.
+        Pairs that stay within a range of each other; losing it counts toward the risk bound.
     goals : tuple of Goal
         Goals that vehicles share, each for one of them: planning assigns them, and those that
         vehicles have are among them. None are shared where it is empty.

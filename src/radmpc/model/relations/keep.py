@@ -101,7 +101,7 @@ def check_keep(keep: Sequence[Keep], names: Sequence[str]) -> None:
 
 
 def keep_pairs(keep: Iterable[Keep], names: Sequence[str]) -> tuple[tuple[int, int, float], ...]:
-    """Return who keeps a range, by their places, the lower first, and how far [m].
+    """Return the indices of each pair that keeps a range, the lower first, and the range [m].
 
     Parameters
     ----------

@@ -21,9 +21,10 @@ class WhyNot:
     controls : tuple of (T, m) array
         The safest plan found meanwhile, for the referee to judge; empty without one.
     sets : tuple of tuple of int
-        Who was planned together in it.
+        Vehicles that were planned together in it.
     blocked : tuple of int
-        For whom the faces of the scenario leave no plan; empty where faces are not what matters.
+        Vehicles for which the faces of the scenario leave no plan; empty where faces do not
+        matter.
     """
 
     explanation: str
