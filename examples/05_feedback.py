@@ -1,7 +1,7 @@
 """Feedback keeps a long mission on its way.
 
 Open loop, the noise of a long mission adds up: halfway a gate takes most of the risk bound, and
-nobody knows within two meters where the rover ends. Under a linear-quadratic regulator the
+the rover's end is uncertain by more than two meters. Under a linear-quadratic regulator the
 position's standard deviation settles instead, at the solution Σ of the Lyapunov equation
 Σ = (A + B K) Σ (A + B K)ᵀ + W, found here by scipy. The number is that of the plan at the end.
 """

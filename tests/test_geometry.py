@@ -42,9 +42,14 @@ def test_halfspaces_of_any_length_describe_the_same_set() -> None:
 @pytest.mark.parametrize(
     ("normals", "offsets", "message"),
     [
-        ([[1.0, 0.0], [0.0, 1.0]], [1.0, 1.0], "bounded"),
-        ([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]], [0.0, -1.0, 1.0, 1.0], "empty"),
-        ([[0.0, 0.0], [1.0, 0.0]], [1.0, 1.0], "different from zero"),
+        ([[1, 0], [0, 1]], [1, 1], "bounded set"),
+        # Flat strips, which go on for ever.
+        ([[1, 0], [-1, 0]], [5, -5], "bounded set"),
+        ([[1, 0], [-1, 0], [0, 1]], [5, -5, 9], "bounded set"),
+        ([[1, 0], [-1, 0], [0, 1], [0, -1]], [0, -1, 1, 1], "empty set"),
+        ([[1, 0], [-1, 0], [0, 1], [0, -1]], [1, -3, 9, -7], "empty set"),
+        ([[0, 0], [1, 0]], [1, 1], "different from zero"),
+        ([[1, 0], [0, 0], [0, 1]], [5, -5, 9], "different from zero"),
     ],
 )
 def test_halfspaces_without_a_bounded_set_are_refused(

@@ -47,11 +47,12 @@ def options(
     version: Annotated[
         bool,
         typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print it and exit."
+            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
         ),
     ] = False,
     debug: Annotated[
-        bool, typer.Option("--debug", help="Show tracebacks; may stand anywhere on the line.")
+        bool,
+        typer.Option("--debug", help="Show tracebacks; accepted anywhere on the command line."),
     ] = False,
 ) -> None:
     """Plan fleets whose joint risk of any collision stays within one bound."""
@@ -77,7 +78,7 @@ def plan(
     settings: given.Settings = None,
     gap: given.ProvenGap = None,
 ) -> int:
-    """Plan a scenario; write it where -o says."""
+    """Plan a scenario; -o writes the plan."""
     defer("numpy", "ma", "polynomial")  # before scipy asks for them
     from radmpc.console.commands.plan_command import Request, check_request, run_plan
     from radmpc.console.loading import read_scenario
@@ -132,7 +133,7 @@ def sweep_scenario(
     figure: given.SweepFigure = None,
     as_json: given.AsJson = False,
 ) -> int:
-    """Plan one scenario at many values of its keys."""
+    """Plan one scenario for many values of its keys."""
     from radmpc.console.commands.sweeping import SweepRequest, run_sweep
     from radmpc.console.settings import axes_of
     from radmpc.planners.presets import DEFAULT
@@ -147,7 +148,7 @@ def sweep_scenario(
 
 @app.command()
 def new(kind: given.Template = None, output: given.NewScenario = None) -> int:
-    """Write a scenario to begin with, comments and all."""
+    """Write a commented scenario to start from."""
     from radmpc.console.commands.starting import run_new
 
     return run_new(kind, output)
@@ -155,9 +156,9 @@ def new(kind: given.Template = None, output: given.NewScenario = None) -> int:
 
 @app.command()
 def reproduce(
-    out: Annotated[Path, typer.Option("--out", help="Folder of rows, report and figures.")],
+    out: Annotated[Path, typer.Option("--out", help="Folder for rows, report and figures.")],
     quick: Annotated[
-        bool, typer.Option("--quick", help="A small sample, in a few minutes.")
+        bool, typer.Option("--quick", help="Run a small sample, in a few minutes.")
     ] = False,
     jobs: given.Jobs = 1,
     dask: given.DaskAddress = None,
@@ -166,12 +167,13 @@ def reproduce(
     seeds: given.StudySeeds = None,
     method: given.Methods = None,
     report_only: Annotated[
-        bool, typer.Option("--report-only", help="Write tables and figures of the rows there are.")
+        bool,
+        typer.Option("--report-only", help="Only write tables and figures of the existing rows."),
     ] = False,
 ) -> int:
-    """Do the paper's experiments again.
+    """Rerun the paper's experiments.
 
-    Killed and started again, it goes on.
+    Resumes where an interrupted run stopped.
     """
     from radmpc.console.commands.reproducing import StudyRequest, run_reproduction
 
@@ -186,9 +188,9 @@ def check(
     as_json: given.AsJson = False,
     settings: given.Settings = None,
 ) -> int:
-    """Say whether a scenario is valid, and what stands in its way.
+    """Check whether a scenario is valid, and what rules out a plan.
 
-    The exit code is 0 for every valid scenario, also where the answer is that it has no plan.
+    The exit code is 0 for every valid scenario, even if it has no plan.
     """
     from radmpc.console.commands.check import run_check
     from radmpc.console.loading import read_scenario
@@ -205,7 +207,7 @@ def verify(
     avoidance: given.JudgedAvoidance = None,
     as_json: given.AsJson = False,
 ) -> int:
-    """Judge a plan, or recompute a flight, from its file alone."""
+    """Verify a plan or a flight from its file alone."""
     from radmpc.console.commands.verifying import run_verify
 
     return run_verify(plan_file, samples, seed, avoidance, as_json=as_json)
@@ -213,7 +215,7 @@ def verify(
 
 @app.command()
 def planners(as_json: given.AsJson = False) -> int:
-    """List the planners and their choices."""
+    """List the planners and what they consist of."""
     from radmpc.console.commands.listing import planner_table, planners_json
 
     if as_json:
@@ -231,12 +233,12 @@ def import_file(
     horizon: Annotated[int | None, typer.Option("--horizon", help="Number of steps.")] = None,
     noise: given.Noise = None,
     risk_bound: given.RiskBound = None,
-    radius: Annotated[float | None, typer.Option("--radius", help="Of every vehicle [m].")] = None,
+    radius: given.Radius = None,
     avoidance: given.AvoidanceName = None,
     agents: given.Agents = None,
     layer: given.Layers = None,
 ) -> int:
-    """Import another format; print what had to be chosen."""
+    """Import another format; print what had to be assumed."""
     from radmpc.console.commands.importing import run_import
 
     options = {
@@ -258,7 +260,7 @@ add_serving(app)
 
 @app.command()
 def draw(source: given.DrawnFile, output: given.DrawnOutput, view: given.View = None) -> int:
-    """Draw a scenario, a plan or a flight, or film it."""
+    """Draw or film a scenario, a plan or a flight."""
     from radmpc.console.commands.drawing import run_draw
 
     return run_draw(source, view, output)
@@ -268,13 +270,13 @@ def draw(source: given.DrawnFile, output: given.DrawnOutput, view: given.View = 
 def export(
     plan_file: given.PlanFile,
     to: given.ExportFormat,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Write it here.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Write the export here.")],
     origin: given.PlaceOnEarth = None,
     altitude: given.Altitude = None,
     tolerance: given.Tolerance = None,
-    risk_bound: given.RiskBound = None,
+    risk_bound: given.ThinnedRiskBound = None,
 ) -> int:
-    """Write a plan for the vehicles' own tools."""
+    """Export a plan for the vehicles' own tools."""
     from radmpc.console.commands.exporting import ExportRequest, run_export
     from radmpc.console.loading import read_plan
 
@@ -288,7 +290,7 @@ def demo(
         Path("out")
     ),
 ) -> int:
-    """Plan the shipped scenario and draw it."""
+    """Plan and draw the shipped scenario."""
     from radmpc.console.commands.demo import run_demo
 
     return run_demo(out)

@@ -1,4 +1,4 @@
-"""The package's exceptions, by who has to act on them."""
+"""The package's exceptions, by the party that has to act on them."""
 
 from __future__ import annotations
 

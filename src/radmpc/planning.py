@@ -135,7 +135,7 @@ def plan(
 def unjudged_plan(
     scenario: Scenario, planner: Planner, *, seed: int, time_limit: float | None
 ) -> Plan:
-    """Plan a fleet for who has the plan judged anyway, and saves a certificate.
+    """Plan a fleet without a certificate, for callers that certify the plan themselves.
 
     Parameters
     ----------
@@ -196,8 +196,8 @@ def check_takes(scenario: Scenario, planner: Planner) -> None:
         ):
             if is_there:
                 raise ScenarioError(
-                    f"{'are' if key != 'keep' else 'is'} not for '{called(planner)}', which "
-                    "plans one vehicle at a time; take certified, ira or distance",
+                    f"not supported by '{called(planner)}', whose decomposition relies on planning "
+                    "one vehicle at a time; use certified, ira or distance",
                     (key,),
                 )
     planner.check_visits(scenario, called)

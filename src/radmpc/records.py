@@ -61,7 +61,7 @@ def _dataclass(
 
 
 class Kept:
-    """What was computed of a value that does not change, for who asks again.
+    """What was computed of a value that does not change, kept for the next request.
 
     A field of it, made anew for each value: what others are made of one, by copies with changes or
     by pickles, begins with nothing.

@@ -33,7 +33,7 @@ class Result:
     record : Plan
         What a plan file holds, also where no plan was found.
     certificate : Certificate or None
-        The referee's word on the plan.
+        The referee's certificate; None without a plan.
     steps : tuple of Step
         Every solve, in order.
     events : tuple of Event
@@ -72,7 +72,7 @@ class Result:
 
     @property
     def sets(self) -> tuple[tuple[str, ...], ...]:
-        """Who was planned together."""
+        """Vehicles that were planned together."""
         return self.record.sets
 
     @property

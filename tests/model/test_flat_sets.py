@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from radmpc.errors import ScenarioError
 from radmpc.facets import facets, surface
-from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull, planar
+from radmpc.geometry import Polytope, box, halfspaces, hull, planar
 from radmpc.model.obstacle import Obstacle
 
 WALL = [[4.0, -1.0], [6.0, 2.0]]
@@ -89,27 +88,6 @@ def test_half_spaces_may_leave_no_inner_point(
     piece = halfspaces(normals, offsets)
     np.testing.assert_allclose(sorted(piece.vertices.tolist()), corners, atol=1e-9)
     assert_tight(piece, corners)
-
-
-@pytest.mark.parametrize(
-    ("normals", "offsets", "message"),
-    [
-        ([[1, 0], [-1, 0], [0, 1], [0, -1]], [1, -3, 9, -7], "empty set"),
-        ([[1, 0], [-1, 0]], [5, -5], "bounded set"),
-        ([[1, 0], [-1, 0], [0, 1]], [5, -5, 9], "bounded set"),
-        ([[1, 0], [0, 0], [0, 1]], [5, -5, 9], "different from zero"),
-    ],
-)
-def test_half_spaces_that_bound_nothing_or_hold_nothing_are_refused(
-    normals: list[list[float]], offsets: list[float], message: str
-) -> None:
-    with pytest.raises(ScenarioError, match=message):
-        halfspaces(normals, offsets)
-
-
-def test_an_outline_that_crosses_itself_is_still_refused() -> None:
-    with pytest.raises(ScenarioError, match="simple polygon"):
-        convex_pieces([[0, 0], [1, 1], [1, 0], [0, 1]])
 
 
 def test_a_line_is_one_piece_per_straight_part() -> None:

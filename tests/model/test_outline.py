@@ -89,17 +89,21 @@ def test_the_outline_reaches_as_far_as_that_of_qhull(shape) -> None:
 @pytest.mark.parametrize("shape", [scattered, on_a_grid, beside_the_edges, on_a_circle])
 def test_the_outline_has_the_corners_of_qhull(shape) -> None:
     rng = np.random.default_rng(6)
+    num_compared = 0
     for _ in range(700):
         points = shape(rng)
         if spans_the_plane(points):
+            num_compared += 1
             ours = {tuple(corner) for corner in points[outline(points)].tolist()}
             theirs = {tuple(corner) for corner in points[ConvexHull(points).vertices].tolist()}
             assert ours == theirs
+    assert num_compared > 600
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_faces_hold_all_points_and_touch_them(shape) -> None:
     rng = np.random.default_rng(7)
+    num_planar = 0
     for _ in range(300):
         points = shape(rng)
         found = facets(points)
@@ -107,8 +111,10 @@ def test_faces_hold_all_points_and_touch_them(shape) -> None:
         np.testing.assert_allclose(slack, 0.0, atol=1e-12 * np.abs(points).max())
         np.testing.assert_allclose(np.linalg.norm(found.normals, axis=1), 1.0, atol=1e-12)
         if found.dimension == 2:
+            num_planar += 1
             # Each side's own ends are on its face, up to rounding.
             assert len(found.edges) == len(found.corners) >= len(found.normals) >= 3
+    assert num_planar > 200
 
 
 def test_a_polygon_with_axis_parallel_sides_has_exact_faces() -> None:

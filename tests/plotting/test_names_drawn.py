@@ -118,10 +118,10 @@ def test_a_name_that_is_nearer_to_another_vehicle_or_far_away_has_a_line_to_its_
     fleet = crowd().vehicles
     ax = plot_plan(make_plan(crowd()))
     boxes, leaders = boxes_of(ax), led(ax)
+    beside = [v for v in fleet if v.name in boxes and v.name not in leaders]
     assert leaders
-    for vehicle in fleet:
-        if vehicle.name not in boxes or vehicle.name in leaders:
-            continue
+    assert beside
+    for vehicle in beside:
         box = boxes[vehicle.name]
         apart = box.distance(hull_of(vehicle))
         assert apart < 1.5 * (box.bounds[3] - box.bounds[1])
@@ -133,8 +133,9 @@ def test_a_name_that_is_nearer_to_another_vehicle_or_far_away_has_a_line_to_its_
 def test_a_line_leads_from_the_hull_at_the_start_to_the_name() -> None:
     scenario = crowd()
     ax = plot_plan(make_plan(scenario))
-    boxes = boxes_of(ax)
-    for name in led(ax):
+    boxes, leaders = boxes_of(ax), led(ax)
+    assert leaders
+    for name in leaders:
         [line] = [one for one in ax.lines if one.get_gid() == f"leader:{name}"]
         start, end = line.get_xydata()
         [vehicle] = [one for one in scenario.vehicles if one.name == name]

@@ -70,6 +70,7 @@ def test_obstacles_that_a_vehicle_cannot_meet_add_no_rows_of_its_own() -> None:
         {obstacle.name for obstacle in surroundings.scenario_of((i,)).obstacles} for i in range(2)
     ]
     names = [scenario.vehicles[i].name for i in range(2)]
-    for item in program.avoidances:
-        if item.cause == "obstacle":
-            assert item.other in met_by[names.index(item.vehicle)]
+    of_obstacles = [item for item in program.avoidances if item.cause == "obstacle"]
+    assert of_obstacles
+    for item in of_obstacles:
+        assert item.other in met_by[names.index(item.vehicle)]

@@ -18,6 +18,9 @@ from radmpc.referee.motion import FleetMotion
 from radmpc.referee.propagation import FleetNoise, propagate
 from radmpc.referee.sites import chords, joined_rows
 
+SEEDS = [seed for seed in range(12) if seed not in (3, 9, 10)]
+"""Of random plans in which something is met: the others have one vehicle and no obstacle."""
+
 
 def batches(plan: Plan) -> tuple[FleetMotion, tuple[Encounters, ...]]:
     """Return all encounters of a plan."""
@@ -34,11 +37,13 @@ def unit_vectors(rng: np.random.Generator, *shape: int) -> np.ndarray:
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_along_directions_sites_look_as_defined(seed):
     rng = np.random.default_rng(seed)
+    num_sites = 0
     for batch in batches(random_plan(seed))[1]:
         sites = interval_sites(batch)
+        num_sites += len(sites.means)
         count, ends, d = sites.means.shape
         directions = unit_vectors(rng, count, 3, d)
         seen = chords(sites, directions)
@@ -55,12 +60,14 @@ def test_along_directions_sites_look_as_defined(seed):
             assert seen.deviations[:, :, end] ** 2 == pytest.approx(variance, abs=1e-14)
         sagittas = np.einsum("scd,sd->sc", directions, sites.sagittas).clip(min=0.0)
         assert seen.sagittas == pytest.approx(sagittas, abs=1e-12)
+    assert num_sites > 0
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_choices_of_half_spaces_cost_what_they_cost_alone(seed):
     rng = np.random.default_rng(seed)
     motion, found = batches(random_plan(seed))
+    assert sum(batch.means.size for batch in found) > 0
     for batch in found:
         sites, crossed = part_sites(batch, motion, NUM_PARTS)
         count, d = len(batch.means), sites.means.shape[2]
@@ -72,9 +79,11 @@ def test_choices_of_half_spaces_cost_what_they_cost_alone(seed):
             assert together[:, choice] == pytest.approx(alone, rel=1e-6, abs=1e-300)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_what_is_far_away_is_charged_no_less_than_a_closer_look_finds(seed, monkeypatch):
-    for batch in batches(random_plan(seed))[1]:
+    encountered = batches(random_plan(seed))[1]
+    assert sum(batch.means.size for batch in encountered) > 0
+    for batch in encountered:
         found = bounds.instant_risks([batch])[0]
         boxes = bounds._box_risks(batch)
         assert np.all(found <= np.minimum(boxes, 1.0))
@@ -85,9 +94,10 @@ def test_what_is_far_away_is_charged_no_less_than_a_closer_look_finds(seed, monk
         assert np.all(found <= closely + 1e-20)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_pairs_and_obstacles_looked_at_in_one_go_risk_what_they_do_one_by_one(seed, monkeypatch):
     found = batches(random_plan(seed))[1]
+    assert sum(batch.means.size for batch in found) > 0
     together = bounds.instant_risks(found)
     monkeypatch.setattr(bounds, "_FEW", 0)
     for risks, alone in zip(together, bounds.instant_risks(found), strict=True):

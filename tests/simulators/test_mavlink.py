@@ -155,7 +155,8 @@ def test_two_cannot_listen_at_one_port() -> None:
 
 
 def test_nobody_is_steered_who_was_not_taken_command_of() -> None:
-    with pytest.raises(LinkError, match=r"^nobody is in command: reset comes before advance$"):
+    told = r"^not in command of the vehicles: call reset before advance$"
+    with pytest.raises(LinkError, match=told):
         Mavlink(AIR).advance(asked(AIR, STARTS, [0.0, 0.0]))
 
 

@@ -11,7 +11,6 @@ from radmpc.console.completing import (
     FORMATS,
     complete_drawn,
     complete_format,
-    complete_log,
     complete_plan,
     complete_plan_or_flight,
     complete_planner,
@@ -28,7 +27,6 @@ __all__ = [
     "AsJson",
     "AvoidanceName",
     "Axes",
-    "Columns",
     "DaskAddress",
     "DrawnFile",
     "DrawnOutput",
@@ -41,12 +39,9 @@ __all__ = [
     "JudgedFile",
     "Layers",
     "LedgerFigure",
-    "Logs",
     "Methods",
     "NewScenario",
     "Noise",
-    "NoiseOutput",
-    "NoiseScenario",
     "PanelFigure",
     "PlaceOnEarth",
     "PlanFigure",
@@ -57,7 +52,7 @@ __all__ = [
     "PlannerSeconds",
     "PlanningSeconds",
     "ProvenGap",
-    "ResidualFigure",
+    "Radius",
     "RiskBound",
     "Samples",
     "ScenarioFile",
@@ -71,6 +66,7 @@ __all__ = [
     "SweepSeconds",
     "SweepTable",
     "Template",
+    "ThinnedRiskBound",
     "Tolerance",
     "Verbose",
     "View",
@@ -79,36 +75,38 @@ __all__ = [
 ScenarioFile = Annotated[
     Path,
     typer.Argument(
-        metavar="SCENARIO", help="Scenario, YAML or JSON.", autocompletion=complete_scenario
+        metavar="SCENARIO", help="Scenario file, YAML or JSON.", autocompletion=complete_scenario
     ),
 ]
 PlanFile = Annotated[
-    Path, typer.Argument(metavar="PLAN", help="Plan, JSON.", autocompletion=complete_plan)
+    Path, typer.Argument(metavar="PLAN", help="Plan file, JSON.", autocompletion=complete_plan)
 ]
 JudgedFile = Annotated[
     Path,
     typer.Argument(
-        metavar="PLAN", help="Plan, JSON; or a flight.", autocompletion=complete_plan_or_flight
+        metavar="PLAN",
+        help="Plan file, JSON; or a flight file.",
+        autocompletion=complete_plan_or_flight,
     ),
 ]
 FlownFile = Annotated[
     Path,
     typer.Argument(
         metavar="PLAN",
-        help="Plan, JSON; or a flight, to go on with it.",
+        help="Plan file, JSON; or a flight file, to resume that flight.",
         autocompletion=complete_plan_or_flight,
     ),
 ]
 ForeignFiles = Annotated[
     list[Path],
-    typer.Argument(metavar="FILE", help="A problem in another format; charts may be several."),
+    typer.Argument(metavar="FILE", help="Problem in another format; of charts, one or several."),
 ]
 Layers = Annotated[
     list[str] | None,
     typer.Option(
         "--layer",
         metavar="NAME[=ROLE]",
-        help="Of charts, take only this layer, and what it stands for; may be given several times.",
+        help="Read only this layer of the charts, in this role; repeatable.",
     ),
 ]
 
@@ -116,7 +114,7 @@ PlannerName = Annotated[
     str | None,
     typer.Option(
         "--planner",
-        help="A name from 'radmpc planners' (certified).",
+        help="A name from 'radmpc planners'. [default: certified]",
         autocompletion=complete_planner,
     ),
 ]
@@ -124,20 +122,27 @@ PlannerNames = Annotated[
     str | None,
     typer.Option(
         "--planners",
-        help="Names, with commas between them (five, one for each idea).",
+        help="Names, separated by commas. "
+        "[default: rmpc-rrt,distance,radmpc,multi-vehicle,certified]",
         autocompletion=complete_planners,
     ),
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of every random choice.")]
 PlanningSeconds = Annotated[
     float | None,
-    typer.Option("--time-limit", min=0.0, help="Seconds, then the best so far (certified: 60)."),
+    typer.Option(
+        "--time-limit",
+        min=0.0,
+        help="Seconds until planning ends with the best plan so far. "
+        "[default: 60 for certified, else none]",
+    ),
 ]
 PlannerSeconds = Annotated[
-    float | None, typer.Option("--time-limit", min=0.0, help="Seconds for each planner.")
+    float | None,
+    typer.Option("--time-limit", min=0.0, help="Seconds for each planner, as in plan."),
 ]
-Samples = Annotated[int, typer.Option("--samples", min=1, help="Samples to simulate.")]
-Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes for separate parts.")]
+Samples = Annotated[int, typer.Option("--samples", min=1, help="Number of missions to simulate.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Number of processes.")]
 DaskAddress = Annotated[
     str | None, typer.Option("--dask", help="Address of a Dask scheduler to plan on.")
 ]
@@ -147,29 +152,36 @@ PlanOutput = Annotated[
 ]
 ScenarioOutput = Annotated[Path, typer.Option("-o", "--output", help="Write the scenario here.")]
 PlanFigure = Annotated[
-    Path | None, typer.Option("--figure", help="Draw it here: .png, .pdf or .svg.")
+    Path | None, typer.Option("--figure", help="Draw the plan here: .png, .pdf or .svg.")
 ]
 PanelFigure = Annotated[
-    Path | None, typer.Option("--figure", help="A panel per planner: .png, .pdf or .svg.")
+    Path | None, typer.Option("--figure", help="Draw a panel per planner here: .png, .pdf or .svg.")
 ]
 LedgerFigure = Annotated[
-    Path | None, typer.Option("--ledger", help="Draw where the risk goes, likewise.")
+    Path | None, typer.Option("--ledger", help="Draw the risk ledger here: .png, .pdf or .svg.")
 ]
 Film = Annotated[
-    Path | None, typer.Option("--animation", help="Film it here: .gif, or .mp4 with ffmpeg.")
+    Path | None, typer.Option("--animation", help="Film the plan here: .gif, or .mp4 with ffmpeg.")
 ]
 DrawnFile = Annotated[
     Path,
-    typer.Argument(metavar="FILE", help="Scenario, plan or flight.", autocompletion=complete_drawn),
+    typer.Argument(
+        metavar="FILE", help="Scenario, plan or flight file.", autocompletion=complete_drawn
+    ),
 ]
 DrawnOutput = Annotated[
-    Path, typer.Option("-o", "--output", help="Picture .png, .pdf, .svg, or film .gif, .mp4.")
+    Path,
+    typer.Option(
+        "-o",
+        "--output",
+        help="Draw here: .png, .pdf or .svg; film here: .gif, or .mp4 with ffmpeg.",
+    ),
 ]
 View = Annotated[
     str | None,
     typer.Option(
         "--view",
-        help="plan, ledger, couplings, distances or risk (plan).",
+        help="plan, ledger, couplings, distances or risk. [default: plan]",
         autocompletion=complete_view,
     ),
 ]
@@ -177,109 +189,111 @@ ExportFormat = Annotated[
     str,
     typer.Option(
         "--to",
-        help=f"{', '.join(FORMATS[:-1])} or {FORMATS[-1]}.",
+        help=f"Format: {', '.join(FORMATS[:-1])} or {FORMATS[-1]}.",
         autocompletion=complete_format,
     ),
 ]
-Verbose = Annotated[
-    bool, typer.Option("-v", "--verbose", help="Tell the stages on stderr as they go.")
-]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Report the stages on stderr.")]
 Settings = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="KEY=VALUE", help="Instead of the file's: risk_bound=0.02; repeatable."
+        "--set",
+        metavar="KEY=VALUE",
+        help="Override a key of the scenario: risk_bound=0.02; repeatable.",
     ),
 ]
 ProvenGap = Annotated[
-    float | None, typer.Option("--gap", help="Relative gap that ends the search (0.001).")
+    float | None,
+    typer.Option("--gap", help="Relative gap at which the search ends. [default: 0.001]"),
 ]
 Axes = Annotated[
     list[str],
     typer.Option(
         "--over",
         metavar="KEY=VALUE,...",
-        help="A key and its values: risk_bound=0.01,0.05; 'noise' scales all; repeatable.",
+        help="A key and its values: risk_bound=0.01,0.05; noise scales all noise; repeatable.",
     ),
 ]
 SweepTable = Annotated[
-    Path | None, typer.Option("-o", "--output", help="Rows as CSV; an existing file is resumed.")
+    Path | None,
+    typer.Option(
+        "-o", "--output", help="Write the rows here, as CSV; an existing file is resumed."
+    ),
 ]
 SweepFigure = Annotated[
-    Path | None, typer.Option("--figure", help="Costs as curves: .png, .pdf or .svg.")
+    Path | None, typer.Option("--figure", help="Draw the costs as curves here: .png, .pdf or .svg.")
 ]
 SweepSeconds = Annotated[
-    float | None, typer.Option("--time-limit", min=0.0, help="Seconds for each scenario.")
+    float | None,
+    typer.Option("--time-limit", min=0.0, help="Seconds for each scenario, as in plan."),
 ]
 Template = Annotated[
     str | None,
     typer.Argument(
         metavar="KIND",
-        help=f"{', '.join(TEMPLATES[:-1])} or {TEMPLATES[-1]}.",
+        help=f"Kind of scenario: {', '.join(TEMPLATES[:-1])} or {TEMPLATES[-1]}.",
         autocompletion=complete_template,
     ),
 ]
 NewScenario = Annotated[
-    Path | None, typer.Option("-o", "--output", help="Write it here (on the screen).")
+    Path | None, typer.Option("-o", "--output", help="Write the scenario here. [default: stdout]")
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
+AsJson = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")
+]
 
-StudyCap = Annotated[float | None, typer.Option("--cap", min=0.1, help="Seconds per problem (60).")]
+StudyCap = Annotated[
+    float | None, typer.Option("--cap", min=0.1, help="Seconds per problem. [default: 60]")
+]
 StudySeconds = Annotated[
     float | None,
-    typer.Option("--budget", min=0.0, help="Seconds for each mixed-integer solver (600)."),
+    typer.Option("--budget", min=0.0, help="Seconds for each mixed-integer solver. [default: 600]"),
 ]
 StudySeeds = Annotated[
-    int | None, typer.Option("--seeds", min=1, help="Problems of each size (50).")
+    int | None,
+    typer.Option("--seeds", min=1, help="Number of problems of each size. [default: 50]"),
 ]
 Methods = Annotated[
-    list[str] | None, typer.Option("--method", help="Run this method only; may be repeated.")
+    list[str] | None, typer.Option("--method", help="Run only this method; repeatable.")
 ]
 Noise = Annotated[
-    float | None, typer.Option("--noise", help="Position noise per step, std. dev. [m].")
+    float | None,
+    typer.Option("--noise", help="Standard deviation of the position noise per step [m]."),
 ]
-Logs = Annotated[
-    list[Path],
-    typer.Argument(
-        metavar="LOG",
-        help="CSV, MCAP, PX4 ULog or ROS 2 bag; several count together.",
-        autocompletion=complete_log,
-    ),
+Radius = Annotated[float | None, typer.Option("--radius", help="Hull radius of every vehicle [m].")]
+RiskBound = Annotated[
+    float | None, typer.Option("--risk-bound", help="Risk bound of the scenario.")
 ]
-NoiseOutput = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", help="Write the noise here, as YAML, or the scenario."),
+ThinnedRiskBound = Annotated[
+    float | None,
+    typer.Option("--risk-bound", help="Risk bound for --tolerance. [default: the plan's]"),
 ]
-NoiseScenario = Annotated[
-    Path | None,
-    typer.Option("--scenario", help="Give this one the noise.", autocompletion=complete_scenario),
+Agents = Annotated[
+    int | None, typer.Option("--agents", help="Import only the first N vehicles. [default: all]")
 ]
-Columns = Annotated[
-    str | None, typer.Option("--columns", help="Names in CSV: time=t,x=east,y=north.")
-]
-ResidualFigure = Annotated[
-    Path | None, typer.Option("--plot", help="Draw the residuals here: .png, .pdf or .svg.")
-]
-RiskBound = Annotated[float | None, typer.Option("--risk-bound", help="Joint risk of the fleet.")]
-Agents = Annotated[int | None, typer.Option("--agents", help="How many vehicles to take.")]
 AvoidanceName = Annotated[
-    str | None, typer.Option("--avoidance", help="Where collisions count (the problem's).")
+    str | None, typer.Option("--avoidance", help="Where collisions count. [default: intervals]")
 ]
 JudgedAvoidance = Annotated[
     str | None,
-    typer.Option("--avoidance", help="Where collisions count (as planned)."),
+    typer.Option("--avoidance", help="Where collisions count. [default: as planned]"),
 ]
 PlaceOnEarth = Annotated[
     str | None,
-    typer.Option("--origin", help="Of the plan's origin: LAT,LON[,HEIGHT] [degrees, m]."),
+    typer.Option(
+        "--origin",
+        help="Latitude, longitude and height of the plan's origin: LAT,LON[,HEIGHT] [degrees, m].",
+    ),
 ]
 Tolerance = Annotated[
     float | None,
     typer.Option(
         "--tolerance",
-        help="Leave out steps that straight legs pass within this distance [m], as certified.",
+        help="Leave out steps that straight legs pass within this distance [m], as far as the "
+        "certificate stays within the risk bound.",
     ),
 ]
 Altitude = Annotated[
     float | None,
-    typer.Option("--altitude", help="Of a 2-D plan above the origin [m] (0)."),
+    typer.Option("--altitude", help="Height of a 2-D plan above the origin [m]. [default: 0]"),
 ]

@@ -40,7 +40,7 @@ def fly(
     film: flown.FlightFilm = None,
     as_json: given.AsJson = False,
 ) -> int:
-    """Fly a plan, made anew at every step from what is measured."""
+    """Fly a plan and replan at every step from the measured states."""
     from radmpc.console.commands.flying import FlyRequest, run_fly
 
     options = tuple(option or ())
@@ -62,17 +62,17 @@ def fly(
 
 
 def identify_noise(
-    logs: given.Logs,
-    output: given.NoiseOutput = None,
-    scenario: given.NoiseScenario = None,
+    logs: flown.Logs,
+    output: flown.NoiseOutput = None,
+    scenario: flown.NoiseScenario = None,
     dt: Annotated[
-        float | None, typer.Option("--dt", help="Step [s] (the scenario's, or the logs').")
+        float | None, typer.Option("--dt", help="Step [s]. [default: the scenario's, or the logs']")
     ] = None,
-    columns: given.Columns = None,
-    plot: given.ResidualFigure = None,
+    columns: flown.Columns = None,
+    plot: flown.ResidualFigure = None,
     as_json: given.AsJson = False,
 ) -> int:
-    """Learn noise and feedback from logs."""
+    """Identify noise and feedback from logs."""
     from radmpc.console.commands.identifying import IdentifyRequest, run_identify
 
     return run_identify(IdentifyRequest(tuple(logs), output, scenario, dt, columns, plot, as_json))
@@ -82,20 +82,19 @@ def calibrate(
     plan_file: given.PlanFile,
     backend: Annotated[
         str,
-        typer.Option(
-            "--with", help="What it is flown with: boat, …", autocompletion=complete_backend
-        ),
+        typer.Option("--with", help="Simulator: boat, …", autocompletion=complete_backend),
     ],
     output: given.ScenarioOutput,
     plan_output: Annotated[
-        Path | None, typer.Option("--plan", help="Plan that scenario, fly it, write it here.")
+        Path | None,
+        typer.Option("--plan", help="Plan that scenario, fly the plan, and write it here."),
     ] = None,
-    missions: Annotated[int, typer.Option("--missions", min=1, help="How often to fly.")] = 20,
+    missions: Annotated[int, typer.Option("--missions", min=1, help="Number of missions.")] = 20,
     seed: given.Seed = 0,
     option: flown.BackendOptions = None,
     as_json: given.AsJson = False,
 ) -> int:
-    """Learn noise from a plan's own missions in a simulator."""
+    """Identify noise from missions of a plan in a simulator."""
     from radmpc.console.commands.calibrating import CalibrateRequest, run_calibrate
 
     options = tuple(option or ())

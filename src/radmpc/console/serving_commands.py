@@ -28,22 +28,25 @@ def serve_page(
         Path | None,
         typer.Argument(
             metavar="FILE",
-            help="A scenario, a plan, a flight or a chart.",
+            help="Scenario, plan, flight or chart file.",
             autocompletion=complete_drawn,
         ),
     ] = None,
     port: Annotated[
-        int, typer.Option("--port", min=0, max=65535, help="0 takes any that is free.")
+        int, typer.Option("--port", min=0, max=65535, help="Port; 0 takes any free one.")
     ] = 0,
     folder: Annotated[
         Path | None,
-        typer.Option("--folder", help="Where the page reads and writes files (the file's)."),
+        typer.Option(
+            "--folder",
+            help="Folder of the files that the page reads and writes. [default: the file's]",
+        ),
     ] = None,
     opens: Annotated[
         bool, typer.Option("--open/--no-open", help="Open the page in the browser.")
     ] = False,
 ) -> int:
-    """Draw, plan, watch and fly on a page in the browser."""
+    """Draw, plan, watch and fly in a browser page."""
     from radmpc.console.commands.serving import run_serve
 
     return run_serve(source, port, folder, opens=opens)

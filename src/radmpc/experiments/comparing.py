@@ -74,7 +74,7 @@ def compare(
     executor : Executor or None
         Where separate sets are planned.
     progress : callable or None
-        Told the planner and its stage, the parts done and their number.
+        Called with the planner and its stage, the parts done and their number.
     stop : callable or None
         Once it returns True, the planner at work returns what it has, and none follows.
 

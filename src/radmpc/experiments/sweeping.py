@@ -127,7 +127,7 @@ def sweep(
     executor : Executor or None
         Where independent sets are planned.
     progress : callable or None
-        Told the stage, the scenarios done and their number.
+        Called with the stage, the scenarios done and their number.
     stop : callable or None
         Once it returns True, the scenario at work is left as it is, and none follows.
 

@@ -10,7 +10,7 @@ new bank:
           b := W_t - C_t(\text{new}).
 
 Keeping the tail is always allowed and leaves the bank as it is. The probability of any collision in
-the mission is then at most Δ, whoever plans and however often: docs/flying.md has the proof.
+the mission is then at most Δ, whatever planner is used and however often (proof: docs/flying.md).
 """
 
 from __future__ import annotations

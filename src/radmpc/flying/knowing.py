@@ -229,7 +229,7 @@ def moved(vehicle: Vehicle, known: Vector, control: Vector) -> Vector:
     vehicle : Vehicle
         The vehicle.
     known : (n,), (2 n + s,) or (3 (2 n + s),) array
-        What is known; of who estimates together with others, one of its parts will do.
+        What is known; for a vehicle that estimates together with others, one of its parts will do.
     control : (m,) array
         What is flown over the step.
     """

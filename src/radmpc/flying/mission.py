@@ -133,8 +133,8 @@ class Mission(Logbook):
         Parameters
         ----------
         states : mapping, sequence of (n,) array or None, or None
-            Measured or, of who has a `measurement`, estimated; by vehicle or in the scenario's
-            order. None, or what is not finite, is no measurement: who has none flies as expected.
+            Measured or, with a `measurement`, estimated; by vehicle or in the scenario's order.
+            None, or what is not finite, is no measurement: that vehicle flies as expected.
         deadline : float or None
             Seconds from now until which the decision is needed; None plans without a limit.
         contacts : sequence of Contact

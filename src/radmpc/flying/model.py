@@ -80,7 +80,7 @@ class Model:
         Returns
         -------
         states : tuple of (n,) array
-            In the scenario's order; of who measures, the estimates.
+            In the scenario's order; for vehicles with a measurement, the estimates.
         contacts : tuple of Contact
             What is hit there already.
         """
@@ -108,7 +108,7 @@ class Model:
         Returns
         -------
         states : tuple of (n,) array
-            After it; of who measures, the estimates.
+            After it; for vehicles with a measurement, the estimates.
         contacts : tuple of Contact
             What was hit on the way, or under ``steps`` at its end.
         """
@@ -173,7 +173,7 @@ class Model:
         return (*met, *self._lost(begin, end, sagittas))
 
     def _lost(self, begin: Matrix, end: Matrix, sagittas: Matrix) -> tuple[Contact, ...]:
-        """Return who loses the range that is kept, on paths between two moments."""
+        """Return which vehicles lose a range that they keep, on paths between two moments."""
         if not self._scenario.keep:
             return ()
         names = [v.name for v in self._scenario.vehicles]
@@ -187,7 +187,7 @@ class Model:
     def _obstacle_hits(
         self, number: int, path: tuple[Matrix, Matrix, Matrix], radii: Vector
     ) -> Vector:
-        """Return who hits an obstacle, (N,) bool."""
+        """Return which vehicles hit an obstacle, (N,) bool."""
         obstacle = self._scenario.obstacles[number]
         hits = np.zeros(len(radii), dtype=bool)
         sweeps = obstacle.is_moving and self._scenario.avoidance == "intervals"

@@ -46,7 +46,7 @@ def left_of(
     Returns
     -------
     Scenario
-        With the goals that vehicles have: who goes where was decided by the plan that is flown.
+        With the goals that vehicles have: the plan that is flown has decided the assignment.
         Moving obstacles are where they are by then, or may be: nothing of their places has been
         measured. Visits and windows of arrival are those of all steps: see
         `radmpc.flying.visiting`.

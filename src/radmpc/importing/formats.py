@@ -106,7 +106,7 @@ def import_scenario(
 
 
 def import_ground(path: str | os.PathLike[str], origin: Origin | None = None) -> Ground | None:
-    """Return what stands on a chart, though nobody may start there.
+    """Return what stands on a chart, even if no vehicle starts there.
 
     Parameters
     ----------

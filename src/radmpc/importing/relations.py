@@ -1,4 +1,4 @@
-"""Whom obstacles concern and who keeps which range, once it is known who is imported."""
+"""Which vehicles obstacles concern and which ranges are kept, of the imported vehicles."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["among_left", "describe_relations"]
 
 
 def among_left(problem: ForeignProblem) -> ForeignProblem:
-    """Return a problem whose obstacles and ranges name only those who are left of its vehicles.
+    """Return a problem whose obstacles and ranges name only the remaining vehicles.
 
     Parameters
     ----------

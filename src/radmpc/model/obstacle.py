@@ -39,7 +39,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Obstacle(Frozen):
-    """A named thing to stay out of.
+    """A named region to avoid.
 
     Between steps a moving obstacle's points move linearly: its path lies within the Minkowski
     interpolation of its pieces. One on a track is laid out by its scenario, which knows the steps.
@@ -289,7 +289,7 @@ class Obstacle(Frozen):
         Returns
         -------
         Obstacle
-            Common to all vehicles: where it truly is, it is for each of them.
+            Its position error is the same random variable for every vehicle.
 
         Raises
         ------

@@ -68,7 +68,7 @@ class Scenario:
         What a second costs until a vehicle whose goal has a window (``within``) arrives, >= 0
         [cost/s].
     keep : tuple of Keep
-        Who stays within a range of whom; losing it counts toward the risk bound.
+        Pairs that stay within a range of each other; losing it counts toward the risk bound.
     goals : tuple of Goal
         Goals that vehicles share, each for one of them: planning assigns them, and those that
         vehicles have are among them. None are shared where it is empty.
@@ -235,7 +235,7 @@ class Scenario:
         Parameters
         ----------
         indices : iterable of int
-            Which vehicles, by their places in ``vehicles``.
+            Indices of the vehicles in ``vehicles``.
         risk_bound : float
             Their share of Δ, 0 < share < 0.5.
 
@@ -247,13 +247,13 @@ class Scenario:
         Raises
         ------
         ScenarioError
-            If there is no vehicle at some place.
+            If an index is out of range.
         """
-        parts = field_parts(indices, "a sequence of places in vehicles", ("indices",))
+        parts = field_parts(indices, "a sequence of indices into vehicles", ("indices",))
         places = [field_integer(i, ("indices", k)) for k, i in enumerate(parts)]
         if any(not 0 <= i < len(self.vehicles) for i in places):
             raise ScenarioError(
-                f"must be places from 0 to {len(self.vehicles) - 1}, got {places}", ("indices",)
+                f"must be indices from 0 to {len(self.vehicles) - 1}, got {places}", ("indices",)
             )
         chosen = [self.vehicles[i] for i in places]
         return replace(self.with_vehicles(chosen), risk_bound=risk_bound)

@@ -90,8 +90,8 @@ class Vehicle(Frozen):
     control_norm, speed_norm : float or None
         Largest Euclidean norm of the control, of the mean velocity, > 0; None is free.
     belief : Belief or None
-        What has been learned by k = 0 of a vehicle under way whose disturbances last or that
-        measures, in place of `initial_covariance`; it shares no disturbance. In no file.
+        What is known at k = 0 of a vehicle under way whose disturbances last or that measures, in
+        place of `initial_covariance`; it shares no disturbance. Not written to scenario files.
     """
 
     name: str
@@ -208,7 +208,7 @@ class Vehicle(Frozen):
 
     @property
     def noise(self) -> Noise:
-        """All that shakes it, and what it knows of that."""
+        """Disturbances and measurement noise of the vehicle."""
         from radmpc.model.noise.spread import Noise  # noqa: PLC0415 - few need it
 
         own = self.disturbance_covariance, self.disturbance_correlation

@@ -92,7 +92,7 @@ class Distance(Decomposition):
 def _sets(
     scenario: Scenario, alone: list[SetPlan], meters: float
 ) -> tuple[Sets, tuple[Coupling, ...]]:
-    """Return the connected components of who comes close to whom, and the graph's edges."""
+    """Return the connected components of vehicles that come close, and the graph's edges."""
     positions = np.array(
         [
             rollout(
@@ -113,7 +113,7 @@ def _sets(
 
 
 def close_pairs(positions: Tensor, meters: float) -> tuple[Indices, Vector]:
-    """Return who comes within a distance of whom on straight paths from step to step.
+    """Return which pairs come within a distance on straight paths from step to step.
 
     Parameters
     ----------

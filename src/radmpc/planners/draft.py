@@ -20,7 +20,7 @@ class Step:
     stage : str
         Which stage made it.
     vehicles : tuple of str
-        Who was planned.
+        Which vehicles were planned.
     iteration : int
         Counts from 0 within the stage and set.
     cost : float

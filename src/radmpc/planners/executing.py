@@ -46,7 +46,7 @@ def run_elsewhere(
     executor : Executor
         Where they run.
     progress : callable
-        Told how many tasks are done, of how many.
+        Called with the number of tasks done, and of all.
     meanwhile : callable or None
         What is done here first, once all are handed out.
 
@@ -110,7 +110,7 @@ def in_order(
 
 
 class _Elsewhere:
-    """Work on an executor until a limit; who leaves stops what is under way.
+    """Work on an executor until a limit; leaving stops what is under way.
 
     Only the wall clock means the same in another process, and a queued task must not restart it.
     A stop reaches the workers of this machine as a file that appears.

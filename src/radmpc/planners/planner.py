@@ -26,13 +26,13 @@ _GAP = 1e-3
 """Relative gap at which each solve stops where none is asked for [-]."""
 
 Progress = Callable[[str, int, int | None], None]
-"""Told the stage, its parts done, and how many there are, if that is known."""
+"""Called with the stage, its parts done, and how many there are, None if that is not known."""
 
 TellBest = Callable[[float, float | None], None]
-"""Told the cost of the best plan so far, and a lower bound on plans like it, None without one."""
+"""Called with the cost of the best plan so far and a lower bound on plans like it, or None."""
 
 Improved = Callable[[tuple[Matrix, ...]], None]
-"""Given every vehicle's controls in a plan that is certified and the best so far."""
+"""Called with every vehicle's controls in a plan that is certified and the best so far."""
 
 
 def nobody(*_: object) -> None:
@@ -52,11 +52,11 @@ class Run:
     executor : Executor or None
         Where independent sets are planned; None plans them here. The plan is the same.
     progress : callable
-        Told what planning is at.
+        Called with the stage of planning, its parts done and their number.
     judge : callable
-        What the referee says of every vehicle's controls, in the scenario's order.
+        Called with every vehicle's controls, in the scenario's order; returns a verdict.
     found : callable
-        Told the cost of the best plan so far, and a lower bound or None.
+        Called with the cost of the best plan so far, and a lower bound or None.
     improved : callable
         Given the controls of the best plan so far, now and then, also the same twice.
     """
@@ -70,7 +70,7 @@ class Run:
     improved: Improved = nobody
 
     def in_silence(self) -> Run:
-        """Return the same run, of whose plans nobody is told.
+        """Return the same run, which does not hand on its plans.
 
         Returns
         -------
@@ -210,9 +210,8 @@ class Planner:
         for i, vehicle in enumerate(scenario.vehicles):
             if vehicle.via or vehicle.goal.within is not None:
                 raise ScenarioError(
-                    f"the planner '{called(self)}' goes straight for goals at the horizon, without "
-                    "visits; use certified, distance, or one that is centralized without random "
-                    "trees",
+                    f"the planner '{called(self)}' does not support visits or arrival windows; use "
+                    "certified, distance, or a centralized planner with branch or big_m",
                     ("vehicles", i, *(("via",) if vehicle.via else ("goal", "within"))),
                 )
 

@@ -103,7 +103,7 @@ _ALL = (
     ),
     Preset(
         "multi-vehicle",
-        "Algorithm 1: RADMPC finds who interacts, then IRA plans each set.",
+        "Algorithm 1: RADMPC finds which vehicles interact, then IRA plans each set.",
         _multi_vehicle,
         _multi_vehicle,
     ),

@@ -161,7 +161,7 @@ def run_sets(
     executor : Executor or None
         None plans in this thread, one after the other.
     progress : callable
-        Told how many sets are done, of how many.
+        Called with the number of sets done, and of all.
 
     Returns
     -------

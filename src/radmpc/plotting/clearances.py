@@ -38,7 +38,7 @@ class Clearance:
     Attributes
     ----------
     name : str
-        Who and what.
+        Names of the vehicle and of what it keeps clear of.
     times : (p,) array
         When [s].
     distance : (p,) array

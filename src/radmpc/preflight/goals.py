@@ -1,4 +1,4 @@
-"""Who goes to which goal before planning decides it: in time, then by the least distances."""
+"""The assumed assignment of shared goals before planning: arrivals in time, then distances."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def with_near_goals(scenario: Scenario) -> Scenario:
     """Return a fleet whose shared goals are assigned so that as many as possible arrive in time.
 
     Among those the sum of distances to the goals' centers is the least. If someone is late even so,
-    someone is late whoever goes where.
+    some vehicle is late in every assignment.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def with_near_goals(scenario: Scenario) -> Scenario:
 
 
 def _in_time(scenario: Scenario) -> Matrix:
-    """Return who can be at which goal in time, with nothing in the way, (N, G) bool."""
+    """Return which vehicles can be at which goals in time, in empty space, (N, G) bool."""
     return np.array(
         [
             [_arrives(scenario, replace(vehicle, goal=goal), bounds) for goal in scenario.goals]
@@ -72,7 +72,7 @@ def _arrives(scenario: Scenario, vehicle: Vehicle, bounds: Matrix) -> bool:
 
 
 def assigned_text(scenario: Scenario) -> str:
-    """Return who goes where, in one line; empty without shared goals.
+    """Return the assignment in one line; empty without shared goals.
 
     Parameters
     ----------

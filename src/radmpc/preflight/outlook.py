@@ -126,7 +126,7 @@ def outlook_of(
     scenario : Scenario
         Any.
     progress : callable or None
-        Takes what is looked at, how many vehicles have been, and of how many; None tells nobody.
+        Called with what is looked at, the number of vehicles done, and of all; or None.
 
     Returns
     -------

@@ -233,7 +233,7 @@ def bent_covariances(vehicle: Vehicle, covariances: Tensor, first_step: int = 0)
 
     Under ``u = ū + K δ_k`` held over the step the deviation is, at a share s of it,
     ``(1 − s) (P δ_k − s B_p K δ_k) + s P δ_{k+1}``: the first bracket runs from ``P δ_k`` to this.
-    Who measures has ``K δ̂_k`` in place of ``K δ_k``.
+    With a measurement, ``K δ̂_k`` replaces ``K δ_k``.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Convex pieces of obstacles: whom they concern, where they are in each window."""
+"""Convex pieces of obstacles: which vehicles they concern, where they are in each window."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Flags = npt.NDArray[np.bool_]
 
 
 def concerned(scenario: Scenario) -> Flags:
-    """Return whom each obstacle concerns, (O, N) bool.
+    """Return which vehicles each obstacle concerns, (O, N) bool.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Plans of fewer steps for those who fly straight legs: which, and what is certified then."""
+"""Plans of fewer steps for vehicles that fly straight legs, and their certificates."""
 
 from __future__ import annotations
 

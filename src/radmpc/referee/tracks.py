@@ -1,7 +1,7 @@
 """The referee's own propagation of obstacles whose place is known up to noise.
 
 Place and velocity of such an obstacle are a linear system under fresh noise, as a vehicle's closed
-loop is, but nobody steers it: what is drawn for it once, it is for all vehicles.
+loop is, but no control steers it: what is drawn for it once, it is for all vehicles.
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ def serve(serving: Serving, port: socket.socket, said: Callable[[str], None]) ->
     port : socket
         That listens.
     said : callable
-        Told the address once pages are answered.
+        Called with the address once pages are served.
     """
     asyncio.run(_served(serving, port, said))
 

@@ -159,7 +159,7 @@ class Mavlink:
             If a vehicle is lost, or was never taken command of.
         """
         if self._stream is None:
-            raise LinkError("nobody is in command: reset comes before advance")
+            raise LinkError("not in command of the vehicles: call reset before advance")
         stream, dt = self._stream, self._scenario.dt
         # A decision that took longer than its step delays all that follow.
         begun = max(self._begun, self._clock() - dt)

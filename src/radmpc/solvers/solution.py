@@ -31,7 +31,7 @@ Guide = Callable[[], Indices | None]
 
 
 def never() -> bool:
-    """Return False: nobody asked to stop."""
+    """Return False: no stop was requested."""
     return False
 
 

@@ -11,7 +11,7 @@ __all__ = ["write_bytes", "write_text"]
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file in one piece: whoever reads it sees all of it or what was there before.
+    """Write a text file in one piece: readers see all of it or what was there before.
 
     Parameters
     ----------

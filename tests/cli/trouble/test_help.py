@@ -44,10 +44,20 @@ def test_the_list_of_commands_has_whole_sentences(
     assert "..." not in shown(run).partition("Commands:")[2]
 
 
+@pytest.mark.parametrize("name", COMMANDS)
+def test_defaults_stand_in_brackets_and_descriptions_are_sentences(run: Run, name: str) -> None:
+    for param in typer.main.get_command(app).commands[name].params:
+        told = param.help
+        assert not re.search(r"\([^)]*\)\.?$", told), told
+        description = told.partition(" [default: ")[0]
+        assert re.fullmatch(r"[A-Za-z].*[.…]", description), told
+        assert not description.startswith(("Of ", "For ")), told
+
+
 def test_help_says_what_is_not_obvious(run: Run) -> None:
     for name, told in (
         ("sweep", "an existing file is resumed"),
-        ("fly", "the planner's limit; certified: 60"),
+        ("fly", "[default: the planner's limit, 60 for certified]"),
         ("check", "The exit code is 0 for every valid scenario"),
         ("import", "--avoidance intervals|steps"),
         ("verify", "--avoidance intervals|steps"),

@@ -84,8 +84,8 @@ def test_only_faces_that_were_searched_to_the_end_rule_out_a_plan(
     search = PriceSearch.of(fleet, lambda controls: Verdict(1.0, ()))
     answer = fallbacks.last_resort(search, SearchState.of(fleet)).answer
     assert answer.is_proven is is_proven
-    assert ("More faces opened no way" in answer.explanation) is is_proven
-    assert ("Whether a way opens with 8, 16 or 32 faces" in answer.explanation) is not is_proven
+    assert ("More faces allowed no plan" in answer.explanation) is is_proven
+    assert ("Whether a plan exists with 8, 16 or 32 faces" in answer.explanation) is not is_proven
 
 
 def test_more_faces_that_a_first_look_does_not_tell_of_are_searched_longer(
@@ -161,8 +161,8 @@ def test_more_faces_that_leave_a_way_but_no_plan_of_all_rule_out_nothing(
     answer = fallbacks.last_resort(search, SearchState.of(fleet)).answer
     assert len(planned) == 1
     assert not answer.is_proven
-    assert "There is a way with 16 faces" in answer.explanation
-    assert "More faces opened no way: tried were 8 or 32 faces around pairs" in answer.explanation
+    assert "A plan of these vehicles exists with 16 faces" in answer.explanation
+    assert "More faces allowed no plan: tried were 8 or 32 faces around pairs" in answer.explanation
 
 
 def test_more_faces_rule_out_nothing_once_time_is_up() -> None:

@@ -181,10 +181,15 @@ def test_a_limit_is_named(limits, words):
     assert words in result.explanation
 
 
+INFEASIBLE = (7, 30, 38, 51, 55, 65, 107, 155, 180, 201)
+"""Seeds of random problems without a plan: starts that overlap in the first, goals too close in the
+last, and else starts apart, but too close for the risk bound."""
+
+
 @pytest.mark.slow
 @pytest.mark.sampled(4)
-@pytest.mark.parametrize("seed", range(12))
-def test_what_is_called_infeasible_is_planned_by_nobody(seed):
+@pytest.mark.parametrize("seed", INFEASIBLE)
+def test_what_is_called_infeasible_is_planned_by_no_other_planner(seed):
     rng = np.random.default_rng(seed)
     noise = np.array([*10.0 ** rng.uniform(-5, -1.5, 2), 1e-4, 1e-4])
     fleet = [
@@ -205,6 +210,6 @@ def test_what_is_called_infeasible_is_planned_by_nobody(seed):
         risk_bound=float(10.0 ** rng.uniform(-3, -0.4)),
         avoidance=str(rng.choice(["steps", "intervals"])),
     )
-    if plan(problem, time_limit=10.0).status is Status.INFEASIBLE:
-        for planner, faces in product(["ira", "uniform"], [4, 8]):
-            assert not plan(replace(problem, pair_faces=faces), planner).is_certified
+    assert plan(problem, time_limit=10.0).status is Status.INFEASIBLE
+    for planner, faces in product(["ira", "uniform"], [4, 8]):
+        assert not plan(replace(problem, pair_faces=faces), planner).is_certified

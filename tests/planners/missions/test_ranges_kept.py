@@ -96,7 +96,7 @@ def test_a_range_without_noise_is_not_lost_by_rounding() -> None:
 @pytest.mark.parametrize("name", sorted(REFUSING))
 def test_planners_of_single_vehicles_refuse_ranges_in_one_line(name: str) -> None:
     with pytest.raises(
-        ScenarioError, match=rf"^keep: is not for '{name}', .*; take certified"
+        ScenarioError, match=rf"^keep: not supported by '{name}', .*; use certified"
     ) as refused:
         plan(escorted(5.5), name)
     assert "\n" not in str(refused.value)

@@ -63,7 +63,9 @@ def test_what_is_left_out_is_far_from_the_plan_and_what_is_not_is_as_it_was(
 def test_a_path_through_what_was_left_out_is_close_to_it() -> None:
     scenario = paper(4, 0)
     paths = paths_of(scenario, controls_of(scenario))
-    for vicinity in relaxed(scenario, paths).left_out:
+    left_out = relaxed(scenario, paths).left_out
+    assert left_out
+    for vicinity in left_out:
         through = paths.copy()
         center = 0.5 * (vicinity.lower + vicinity.upper)[0]
         if vicinity.other >= 0:

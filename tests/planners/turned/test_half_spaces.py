@@ -88,6 +88,7 @@ def test_no_random_direction_separates_two_vehicles_better(dimension: int, seed:
     _, hazards, paths = scene(dimension, "steps", rng)
     spaces = half_spaces(hazards, paths, (0, 1), EVERYTHING)
     covariances = hazards.covariances.sum(axis=0)
+    assert len(between(spaces)) == HORIZON
     for k, w in between(spaces).items():
         relative = paths.means[0, k + 1] - paths.means[1, k + 1]
         tried = np.vstack([spaces.normals[w], random_normals(20_000, dimension, rng)])
@@ -125,6 +126,7 @@ def test_no_other_share_of_the_reserve_keeps_both_ends_clearer(seed: int) -> Non
     _, hazards, paths = scene(2, "intervals", rng)
     spaces = half_spaces(hazards, paths, (0, 1), EVERYTHING)
     covariances = hazards.covariances.sum(axis=0)
+    assert len(between(spaces)) == HORIZON
     for k, w in between(spaces).items():
         normal = spaces.normals[w]
         at = [normal @ (paths.means[0, j] - paths.means[1, j]) - 1.0 for j in (k, k + 1)]

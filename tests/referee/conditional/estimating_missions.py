@@ -16,6 +16,10 @@ from gusty_missions import lags, remembers, rows_of, sources_of
 from noisy_missions import ObservedMissions
 from scipy.linalg import block_diag
 
+from radmpc.flying.knowing import expected_start
+from radmpc.flying.leg import leg_of
+from radmpc.flying.remainder import left_of
+from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Vehicle
 from radmpc.referee.conditional.rows import Witnesses
 
@@ -241,3 +245,12 @@ def _steered(
             hat = hat @ own.F.T
             hat[:, : own.n] += asked
     return path, hats, told
+
+
+def left_after(plan: Plan, passed: int) -> Plan:
+    """Return a leg that begins under way, with what is known then."""
+    scenario = plan.scenario
+    means = [expected_start(v) for v in scenario.vehicles]
+    rest = left_of(scenario, passed, means, 0.49)
+    controls = [path.controls[passed:] for path in plan.trajectories]
+    return leg_of(rest, controls, passed).plan

@@ -6,22 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from estimating_missions import flown_estimating, told_at, wanted_rows, world_of
+from estimating_missions import flown_estimating, left_after, told_at, wanted_rows, world_of
 from estimating_scenes import SCENES
 from gusty_missions import SCENES as GUSTY_SCENES
 from noisy_missions import check_charges
 
 from radmpc.flying.knowing import expected_start, known_after
 from radmpc.flying.leg import leg_of
-from radmpc.flying.remainder import left_of
 from radmpc.flying.sensing.observing import Observer
-from radmpc.model.plan import Plan
 from radmpc.program.build import condensed_models
 from radmpc.program.relative import relative_bent_covariances, relative_covariances
-from radmpc.referee import certify
 from radmpc.referee.conditional import conditional as module
 from radmpc.referee.conditional import loops
-from radmpc.referee.conditional.conditional import conditional, witnesses_of
+from radmpc.referee.conditional.conditional import witnesses_of
 from radmpc.referee.conditional.gusts import Gusts
 from radmpc.referee.gather import gather_pairs
 from radmpc.referee.propagation import propagate
@@ -31,15 +28,6 @@ KINDS = ("steps", "intervals")
 
 FEW = 20_000 if IS_THOROUGH else 1_500
 """Missions: nightly those that tell small mistakes, too."""
-
-
-def left_after(plan: Plan, passed: int) -> Plan:
-    """Return a leg that begins under way, with what is known then."""
-    scenario = plan.scenario
-    means = [expected_start(v) for v in scenario.vehicles]
-    rest = left_of(scenario, passed, means, 0.49)
-    controls = [path.controls[passed:] for path in plan.trajectories]
-    return leg_of(rest, controls, passed).plan
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -97,16 +85,6 @@ def test_planners_and_referee_agree_about_pairs_of_a_leg_that_began_under_way(sc
         bent = relative_bent_covariances(models[i], models[j])
         if batch.bent_covariances is not None and bent is not None:
             np.testing.assert_allclose(batch.bent_covariances[pair], bent, rtol=1e-8, atol=1e-13)
-
-
-@pytest.mark.slow
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("scene", SCENES)
-def test_before_anything_is_measured_the_value_is_the_certificate(scene, kind):
-    for plan in (SCENES[scene](kind), left_after(SCENES[scene](kind), 1)):
-        value = conditional(witnesses_of(plan), 0, None)
-        assert value.total == pytest.approx(certify(plan).certified, rel=1e-7)
 
 
 @pytest.mark.slow

@@ -133,7 +133,7 @@ def _notes(vehicles: Sequence[VehicleOutlook]) -> list[str]:
 
 
 def _goals(scenario: Scenario) -> list[str]:
-    """Return who is taken to go where, where goals are shared."""
+    """Return the assumed assignment, if goals are shared."""
     if not scenario.goals:
         return []
     from radmpc.preflight.goals import assigned_text  # noqa: PLC0415 - few share goals

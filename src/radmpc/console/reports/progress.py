@@ -31,7 +31,7 @@ class ProgressLine:
     keeps : str
         What else Ctrl-C keeps; empty is nothing.
     tell : callable or None
-        Takes the line every `every` seconds at most, as it is called; None tells nobody.
+        Takes the line every `every` seconds at most, as it is called; or None.
     every : float
         How often [s].
     """

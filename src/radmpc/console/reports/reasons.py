@@ -1,4 +1,4 @@
-"""Why a plan is as it is, in words: who was planned together, what limits it, what to try."""
+"""Why a plan is as it is, in words: what was planned together, what limits it, what to try."""
 
 from __future__ import annotations
 

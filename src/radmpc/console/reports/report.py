@@ -197,7 +197,7 @@ def _ledger_cells(row: LedgerRow, bound: float) -> Iterable[str]:
 
 
 def _sets(sets: tuple[tuple[str, ...], ...]) -> str:
-    """Return who was planned together, the largest sets first."""
+    """Return which vehicles were planned together, the largest sets first."""
     ordered = sorted(sets, key=len, reverse=True)
     shown = ", ".join("{" + ", ".join(group) + "}" for group in ordered[:_MAX_SETS])
     hidden = len(ordered) - _MAX_SETS

@@ -36,7 +36,7 @@ def write_report(
     folder : Path
         Folder to write to.
     progress : callable or None
-        Told each file before it is made.
+        Called with each file before it is written.
 
     Returns
     -------

@@ -69,7 +69,7 @@ def run_study(
     workers : int
         How many the executor runs at once.
     progress : callable or None
-        Told after every task.
+        Called after every task.
     stop : callable or None
         Asked often. Once it returns True no task begins, and what is cut short leaves no row.
     """

@@ -93,7 +93,7 @@ class Row:
     rate, rate_low, rate_high : float or None
         Simulated collision rate and its 95 % interval.
     sets : tuple of tuple of str
-        Who was planned together.
+        Vehicles that were planned together.
     missed : tuple of Missed
         Pairs in different sets above the coupling threshold Ψ, the largest risk first.
     seconds : float

@@ -1,1 +1,1 @@
-"""Other legs than the one in the air: who makes them, how they are judged, and in what time."""
+"""Other legs than the one in the air: how they are made and judged, and in what time."""

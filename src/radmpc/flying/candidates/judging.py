@@ -119,7 +119,7 @@ def planning_with(planner: str | Planning | None, seed: int) -> Planning | None:
     Parameters
     ----------
     planner : str, callable or None
-        The name of a preset of `radmpc.plan`, what plans, or nobody.
+        The name of a preset of `radmpc.plan`, a planner, or None.
     seed : int
         Of every plan of a preset.
 
@@ -144,7 +144,7 @@ def _without_bound(planner: Planner) -> Planner:
 
 
 def load_planning(planning: Planning | None) -> None:
-    """Import what a preset's plans may need: who is asked on the spot has no time for that.
+    """Import what a preset's plans may need: within a tick there is no time for that.
 
     Parameters
     ----------

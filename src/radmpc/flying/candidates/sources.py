@@ -85,13 +85,13 @@ class Sources:
     Attributes
     ----------
     planning : callable or None
-        Asked on the spot; None is nobody.
+        Asked on the spot; None for no planner.
     warm : WarmSearch
         Turns the paths in the air.
     is_warm : bool
         Whether it does at every tick, or only where the tail risks too much.
     background : Background or None
-        Plans for the next step; None is nobody.
+        Plans for the next step; None for no planner.
     miss_price : float
         Effort that a meter beside a goal is worth [1/m].
     times : DecisionTimes

@@ -13,7 +13,7 @@ LATE = "the candidate came too late"
 """Why a candidate is not flown that is there when the decision is due."""
 
 NO_TIME = "there was no time to plan"
-"""Why nobody was asked."""
+"""Why no planner was asked."""
 
 CUT_OFF = frozenset({LATE, NO_TIME, NOT_IN_TIME})
 """Why there is no other leg where the deadline left no time for one."""

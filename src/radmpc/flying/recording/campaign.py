@@ -57,7 +57,7 @@ def begin_flight(
     stop : callable
         Whether to end after the tick.
     progress : callable or None
-        Told of every tick.
+        Called with every tick.
 
     Returns
     -------

@@ -1,7 +1,7 @@
 """The account of a mission recomputed from its rows alone: what they state is compared, not used.
 
 Legs, values, prices, wealth and controls follow from the plan, the measured states and the controls
-of the legs that were adopted. Who changes a file must change all that follows from it.
+of the legs that were adopted. A change of a file requires changing all that follows from it.
 """
 
 from __future__ import annotations
@@ -208,7 +208,7 @@ def _adopt(
 def _flown(
     state: Recomputation, row: TickRow, known: Sequence[Vector], where: str
 ) -> tuple[tuple[Vector, ...], int]:
-    """Return what was flown until the next step, and who saturates; expect what comes of it."""
+    """Return what was flown until the next step, and how many vehicles saturate."""
     scenario = state.plan.scenario
     if row.step == scenario.horizon or not row.controls:
         if bool(row.controls) or row.step < scenario.horizon:

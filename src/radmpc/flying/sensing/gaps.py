@@ -17,8 +17,9 @@ def flown_by(
 ) -> tuple[tuple[Vector, ...], list[str]]:
     """Return by what vehicles fly where not all were measured, and the alarm that says so.
 
-    Who was measured flies by that, all others by what is expected. So does, measured or not, who
-    tells more than its state: the next measurement is compared with what the whole gap brought.
+    A vehicle that was measured flies by that, the others by what is expected. So does, measured or
+    not, a vehicle whose measurements tell more than its state: the next measurement is compared
+    with what the whole gap brought.
 
     Parameters
     ----------

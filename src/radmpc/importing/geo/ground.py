@@ -105,7 +105,7 @@ def standing(
     placed : Placed
         The plane.
     vehicles : collection of str or None
-        Whom obstacles may concern; None is anybody.
+        Which vehicles obstacles may concern; None for any.
 
     Raises
     ------

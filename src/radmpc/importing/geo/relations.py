@@ -1,4 +1,4 @@
-"""Whom drawn obstacles concern, and which ranges drawn vehicles keep to each other."""
+"""Which vehicles drawn obstacles concern, and which ranges drawn vehicles keep."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def check_places(features: Sequence[Feature]) -> None:
 
 
 def concerning(feature: Feature, obstacle: Obstacle, vehicles: Collection[str] | None) -> Obstacle:
-    """Return an obstacle that concerns whom its properties ``for`` or ``except`` name.
+    """Return an obstacle that concerns the vehicles its ``for`` or ``except`` selects.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ class Job:
     is_certified : bool
         Whether the plan holds within its bound.
     placement : Placement or None
-        Where the local frame lies on earth; None if nobody said.
+        Where the local frame lies on earth; None if not stated.
     altitude : float
         Height of a 2-D plan above the origin [m].
     note : str or None
@@ -45,7 +45,7 @@ class Job:
         Raises
         ------
         ScenarioError
-            If nobody said.
+            If it was not stated.
         """
         if self.placement is None:
             raise ScenarioError(

@@ -1,4 +1,4 @@
-"""Whom obstacles concern and who keeps which range, as properties that imports read."""
+"""Which vehicles obstacles concern and which ranges are kept, as properties for imports."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["ranges_kept", "whom"]
 
 
 def whom(obstacle: Obstacle) -> dict[str, list[str]]:
-    """Return the property that names whom an obstacle concerns; nothing of one for everybody.
+    """Return the property that names the vehicles an obstacle concerns; empty if all.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def whom(obstacle: Obstacle) -> dict[str, list[str]]:
 
 
 def ranges_kept(keep: Sequence[Keep], vehicle: str) -> dict[str, list[str] | list[float]]:
-    """Return the properties that name to whom a vehicle keeps which range; each pair once.
+    """Return the properties that name the ranges a vehicle keeps to others; each pair once.
 
     Parameters
     ----------

@@ -191,7 +191,7 @@ def _visits(vehicle: Vehicle, means: Matrix) -> tuple[int, ...]:
 
 
 def velocities_over_ground(vehicle: Vehicle, means: Matrix, dt: float) -> Matrix | None:
-    """Return velocities over ground: who is sent them knows of no current.
+    """Return velocities over ground, because receivers of these know of no current.
 
     A state's velocity is that through water or air. What a drift adds to the position beyond the
     push of a steady wind, it adds to the way over ground.

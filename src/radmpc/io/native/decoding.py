@@ -256,7 +256,7 @@ def _workspace(spec: ScenarioSpec) -> Workspace | None:
 
 
 def _obstacle(index: int, spec: ObstacleSpec) -> Obstacle:
-    """Return an obstacle, for whom it concerns."""
+    """Return an obstacle, for the vehicles it concerns."""
     obstacle = _shaped(index, spec)
     if spec.only is None and spec.exempt is None:
         return obstacle

@@ -144,7 +144,7 @@ def _obstacle(obstacle: Obstacle) -> dict[str, object]:
 
 
 def _whom(obstacle: Obstacle) -> dict[str, object]:
-    """Return whom an obstacle concerns; nothing where everybody."""
+    """Return which vehicles an obstacle concerns; nothing if all."""
     concerns = obstacle.concerns
     if concerns is None:
         return {}

@@ -153,7 +153,7 @@ def build_goal(spec: GoalSpec, system: LinearSystem, *path: str | int) -> Goal:
     spec : GoalSpec
         What the file gives.
     system : LinearSystem
-        Dynamics of those who go there.
+        Dynamics of the vehicles that go there.
     *path : str or int
         Where it stands.
 

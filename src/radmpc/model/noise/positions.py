@@ -75,7 +75,7 @@ def side_by_side(
 ) -> list[Tensor | None]:
     """Return responses with equal columns for equal sources, zeros for those of others.
 
-    What one alone answers correlates nobody, and is left out.
+    Noise that only one vehicle responds to correlates no vehicles, and is left out.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Who keeps to whom, and whom obstacles concern."""
+"""Ranges that vehicles keep, goals that they share, and which vehicles obstacles concern."""

@@ -1,4 +1,4 @@
-"""Whom obstacles concern: shallows no boats of little draught, nets nobody who flies."""
+"""Which vehicles obstacles concern: shallows do not concern boats of little draught."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def is_for(obstacle: Obstacle, vehicle: str) -> bool:
 def concerned(
     obstacles: Sequence[Obstacle], vehicles: Sequence[str]
 ) -> npt.NDArray[np.bool_] | None:
-    """Return which obstacles concern whom, (N, O) bool; None where all concern everybody.
+    """Return which obstacles concern which vehicles, (N, O) bool; None if all concern all.
 
     Parameters
     ----------

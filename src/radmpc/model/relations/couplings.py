@@ -12,7 +12,7 @@ __all__ = ["Coupling", "Reason", "unexplained_sets"]
 Reason = Literal["collision", "risk", "blocked", "distance", "share", "range"]
 
 _SURE = 0.995
-"""Probability that two digits show as 1 [-]: nobody should read it as a number."""
+"""Probability that two digits show as 1 [-]: it should not be read as a number."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -68,7 +68,7 @@ def check_goals(
     goals : sequence of Goal
         To choose from.
     vehicles : sequence of Vehicle
-        Who has one each.
+        The vehicles, with a goal each.
     horizon : int
         Number of steps T.
     workspace : Workspace or None
@@ -88,7 +88,7 @@ def check_goals(
         _check_goal(goal, k, (vehicles[0].system.dimension, horizon), workspace)
         if goal.speed is not None and speedless is not None:
             raise ScenarioError(
-                f"the dynamics of {speedless!r}, who might go there, have no velocity",
+                f"the dynamics of {speedless!r}, which might go there, have no velocity",
                 ("goals", k, "speed"),
             )
     places = places_of(goals, [vehicle.goal for vehicle in vehicles])

@@ -94,14 +94,14 @@ def check_keep(keep: Sequence[Keep], names: Sequence[str]) -> None:
         pair = frozenset(one.vehicles)
         if pair in seen:
             raise ScenarioError(
-                f"names {one.vehicles[0]!r} and {one.vehicles[1]!r}, who stand there twice",
+                f"repeats the pair {one.vehicles[0]!r} and {one.vehicles[1]!r}",
                 ("keep", k, "vehicles"),
             )
         seen.add(pair)
 
 
 def keep_pairs(keep: Iterable[Keep], names: Sequence[str]) -> tuple[tuple[int, int, float], ...]:
-    """Return who keeps a range, by their places, the lower first, and how far [m].
+    """Return the indices of each pair that keeps a range, the lower first, and the range [m].
 
     Parameters
     ----------

@@ -132,14 +132,17 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
         untold = tuple(still)
     text = answer.explanation
     if ruled_out:
-        text += f" More faces opened no way: tried were {faces_text(ruled_out)}."
+        text += f" More faces allowed no plan: tried were {faces_text(ruled_out)}."
     if unplanned:
         faces = faces_text(unplanned)
-        text += f" There is a way with {faces}, but no plan of the whole fleet was found by it."
+        text += (
+            f" A plan of these vehicles exists with {faces}, but no plan of the whole fleet was "
+            "found with them."
+        )
     if untold:
         given = f"each was given up to {WITHOUT.face_trials[-1]:g} s"
         why = limits.reason or (given if is_cut_off else "searches ended without an answer")
-        text += f" Whether a way opens with {faces_text(untold)} is not known: {why}."
+        text += f" Whether a plan exists with {faces_text(untold)} is not known: {why}."
     is_proven = answer.is_proven and not (untold or unplanned)
     return None, replace(answer, explanation=text, is_proven=is_proven)
 

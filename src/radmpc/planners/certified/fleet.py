@@ -48,9 +48,10 @@ class Fleet:
     limits : Limits
         When to stop early.
     progress : callable
-        Told how many sets are searched, of how many.
+        Called with the number of sets searched, and of all.
     found : callable
-        Told the cost of the best plan so far, and its lower bound; -inf where nothing is proven.
+        Called with the cost of the best plan so far and its lower bound; -inf where nothing is
+        proven.
     improved : callable
         Given the controls of every better plan.
     executor : Executor or None

@@ -214,7 +214,7 @@ def search_sets(
         None searches here. Short searches are always done here, and what a worker that died took
         with it.
     progress : callable
-        Told how many sets are done, of how many.
+        Called with the number of sets done, and of all.
 
     Returns
     -------

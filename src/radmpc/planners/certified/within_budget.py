@@ -50,7 +50,7 @@ def replan_with_alternatives(
     judge : callable
         The referee.
     sets : tuple of tuple of int
-        Who was planned together in the given plan.
+        Vehicles that were planned together in the given plan.
     controls : tuple of (T, m) array
         Its controls, in the scenario's order.
 

@@ -1,4 +1,4 @@
-"""The paper's Algorithm 1: RADMPC finds who interacts, then each set is planned exactly."""
+"""The paper's Algorithm 1: RADMPC finds which vehicles interact, then plans each set."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who must be planned together (paper, section Identifying Couplings)."""
+"""Which vehicles must be planned together (paper, section Identifying Couplings)."""
 
 from __future__ import annotations
 

@@ -52,9 +52,9 @@ class Ira(Policy):
     max_iterations : int
         Solves at the most.
     direction : {'to_active', 'to_inactive'}
-        Who receives risk. The paper states both; only the first lowers the cost.
+        Which rows receive risk. The paper states both; only the first lowers the cost.
     spread : {'reached', 'all'}
-        Who has a share in the first pass, see `Uniform`.
+        Which rows have a share in the first pass, see `Uniform`.
     """
 
     family: ClassVar[Family] = "iterated"

@@ -68,7 +68,7 @@ class RiskUse:
     allocated : float
         Risk that the chosen rows were allocated [-].
     used : float
-        Risk that they run [-]; nan where nobody reckoned it.
+        Risk that they run [-]; nan where it was not computed.
     num_active, num_chosen : int
         Risk items that used all their risk, and risk items with a chosen row.
     """

@@ -24,7 +24,7 @@ class Pool(Policy):
         What leaves the pool for an executed step: what its rows were allocated (the paper), or
         only the risk they turned out to run.
     spread : {'reached', 'all'}
-        Who has a share in a subproblem, see `Uniform`.
+        Which rows have a share in a subproblem, see `Uniform`.
     """
 
     family: ClassVar[Family] = "pooled"

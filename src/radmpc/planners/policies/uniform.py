@@ -49,7 +49,7 @@ def solve_uniformly(request: SolveRequest, spread: Spread) -> Solved:
     request : SolveRequest
         The program.
     spread : {'reached', 'all'}
-        Who has a share, see `Uniform`.
+        Which rows have a share, see `Uniform`.
     """
     program, budget = request.program, request.budget
     if budget <= 0.0:

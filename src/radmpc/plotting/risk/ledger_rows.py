@@ -77,7 +77,7 @@ def _with_rest(names: list[str], values: Matrix) -> tuple[list[str], Matrix]:
 
 
 def _cause_name(hazard: Hazard) -> str:
-    """Return who may hit what, in a few letters."""
+    """Return which vehicle may hit what, in a few letters."""
     vehicle = _short(hazard.vehicle)
     if hazard.cause == "workspace":
         return f"{vehicle}, workspace"

@@ -138,7 +138,7 @@ def certify(plan: Plan, *, avoidance: Avoidance | None = None) -> Certificate:
 def ledger_under(
     noise: FleetNoise, controls: Sequence[Matrix]
 ) -> tuple[float, Iterable[LedgerRow]]:
-    """Return what `certify` finds at risk under controls, for who has yet to make a plan of them.
+    """Return what `certify` finds at risk under controls, before they are made a plan.
 
     Parameters
     ----------

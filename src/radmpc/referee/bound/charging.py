@@ -33,7 +33,7 @@ class _Charges:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ledger:
-    """What an account comes to; rows are made for who asks for them.
+    """What an account comes to; rows are made on request.
 
     Attributes
     ----------

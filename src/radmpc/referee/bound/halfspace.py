@@ -1,7 +1,7 @@
 r"""Probability of leaving a half-space, and the direction that makes it small.
 
 A convex set P grown by a radius r lies in ``n·y <= c(n) = max over P of n·y + r`` for every unit
-n. Whoever keeps ``n·x >= c(n)`` does not touch it, so for a Gaussian x and *any* n
+n. A vehicle that keeps ``n·x >= c(n)`` does not touch it, so for a Gaussian x and *any* n
 
 .. math:: \Pr[x \in P \oplus B_r] \le Q\left(
           \frac{n^\top \bar x - c(n)}{\sqrt{n^\top \Sigma n}}\right).

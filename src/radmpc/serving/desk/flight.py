@@ -95,7 +95,7 @@ class OpenFlight:
         args : sequence
             What the job takes.
         changed, ticked : callable
-            Told of the flight, and of its ticks.
+            Called with the flight, and with its ticks.
         """
         running = self._run(crew, args, changed, ticked)
         self._task = asyncio.get_running_loop().create_task(running)

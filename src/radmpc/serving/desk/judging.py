@@ -26,7 +26,7 @@ async def judged(desk: Desk, plan: Plan, name: str) -> Plan | None:
     Parameters
     ----------
     desk : Desk
-        Whose pages are told how far it is.
+        Its pages receive the progress.
     plan : Plan
         As its file has it.
     name : str

@@ -26,7 +26,7 @@ class Lookout:
     crew : Crew
         Who does it.
     seen : callable
-        Told of a document once more is known of it.
+        Called with a document once more is known of it.
     """
 
     def __init__(self, crew: Crew, seen: Callable[[Document], None]) -> None:

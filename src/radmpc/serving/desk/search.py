@@ -37,7 +37,7 @@ class Search:
     asked : Asked
         How.
     changed : callable
-        Told of the search when its state has changed.
+        Called with the search when its state has changed.
     improved : callable
         Given every plan better than those before, and the one it ends with.
     """

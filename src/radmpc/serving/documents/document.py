@@ -19,7 +19,7 @@ _MOST_UNDONE = 300
 
 
 class Document:
-    """A scenario as its file has it, with its history; whoever changes it holds its lock.
+    """A scenario as its file has it, with its history; changes require its lock.
 
     Parameters
     ----------

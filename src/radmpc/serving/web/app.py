@@ -54,7 +54,7 @@ def application(
     guard : Guard
         Who may.
     started : callable
-        Told once it runs.
+        Called once the server runs.
     bundle : Path
         Where the page's files are.
     """

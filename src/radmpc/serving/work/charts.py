@@ -39,7 +39,7 @@ def read_chart(control: Control, path: str, name: str) -> dict[str, object]:
     Parameters
     ----------
     control : Control
-        Told nothing: it takes a moment.
+        Not used: this takes a moment.
     path, name : str
         Where the chart is, and what the page calls it.
 
@@ -62,7 +62,7 @@ def read_obstacles(control: Control, path: str, name: str, content: Content) -> 
     Parameters
     ----------
     control : Control
-        Told nothing.
+        Not used.
     path, name : str
         As in `read_chart`.
     content : mapping

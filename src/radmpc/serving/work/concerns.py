@@ -29,7 +29,7 @@ def concerns_of_content(control: Control, content: Content) -> list[Remark]:
     Parameters
     ----------
     control : Control
-        Told nothing: it takes a moment.
+        Not used: this takes a moment.
     content : mapping
         The document.
     """

@@ -80,7 +80,7 @@ def why_not(control: Control, content: Content) -> list[Remark]:
     if remarks:
         remarks[0] = {**remarks[0], "cures": [*remarks[0]["cures"], *cures]}
     if failed and not cures:
-        text = f"Tried in vain: {', '.join(failed)}."
+        text = f"Did not help: {', '.join(failed)}."
         remarks.append(
             {
                 "severity": "warning",

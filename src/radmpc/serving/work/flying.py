@@ -38,7 +38,7 @@ def fly_plan(
     Parameters
     ----------
     control : Control
-        Told of every ``tick``; asked whether to end.
+        Receives every ``tick``; asked whether to end.
     plan : Plan
         With trajectories.
     seed : int

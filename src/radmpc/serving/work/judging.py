@@ -25,7 +25,7 @@ def judged(control: Control, plan: Plan) -> Plan:
     Parameters
     ----------
     control : Control
-        Told now and then how long it took so far, as `spent`, in seconds of this processor [s].
+        Receives the time spent so far now and then, as `spent`, in seconds of this processor [s].
     plan : Plan
         As its file has it.
 

@@ -23,7 +23,7 @@ def plan_content(control: Control, asked: Asked) -> Ended:
     Parameters
     ----------
     control : Control
-        Told of ``progress``, of costs ``found``, and of plans that ``improved``.
+        Receives ``progress``, costs ``found``, and plans that ``improved``.
     asked : Asked
         What is planned, and how.
     """

@@ -22,12 +22,13 @@ class WhyNot:
     controls : tuple of (T, m) array
         The safest plan found meanwhile, for the referee to judge; empty without one.
     sets : tuple of tuple of int
-        Who was planned together in it.
+        Vehicles that were planned together in it.
     rules_out_any : bool
         Whether what is proven leaves no plan by any half-spaces, within the polytopes that programs
         keep to in place of limits of norms.
     blocked : tuple of int
-        For whom the faces of the scenario leave no plan; empty where faces are not what matters.
+        Vehicles for which the faces of the scenario leave no plan; empty where faces do not
+        matter.
     """
 
     explanation: str

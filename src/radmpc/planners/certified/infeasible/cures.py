@@ -114,7 +114,7 @@ def cure_sentence(scenario: Scenario, limits: Limits) -> str:
     if cures.found:
         told.append(helps_sentence(cures.found))
     elif cures.failed:
-        told.append(f"Tried in vain: {listed(cures.failed)}.")
+        told.append(f"Did not help: {listed(cures.failed)}.")
     return " ".join(told)
 
 

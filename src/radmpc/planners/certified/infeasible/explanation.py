@@ -1,4 +1,4 @@
-"""Why a fleet has no plan within its bound: who is stuck, what bound would do, what would help."""
+"""Why a fleet has no plan: which vehicles are stuck, what bound would do, what would help."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class LeastRisk:
     controls : tuple of (T, m) array
         That plan, per vehicle; empty without one.
     sets : tuple of tuple of int
-        Who was planned together.
+        Vehicles that were planned together.
     takers : tuple of (RiskItem, float)
         The hazards of that plan, the greatest first, each with its worst step.
     stuck : tuple of int

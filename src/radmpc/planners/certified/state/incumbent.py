@@ -20,7 +20,7 @@ class FleetIncumbent:
     cost : float
         Its cost; inf without a plan.
     sets : tuple of tuple of int
-        Who was planned together.
+        Vehicles that were planned together.
     union_bound : float
         What its union bounds sum to beyond the starts, at most [-]; of a plan by turned
         half-spaces, those of the plan by faces that it began with.
