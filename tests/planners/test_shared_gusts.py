@@ -78,7 +78,7 @@ def test_no_plan_is_cheaper_than_what_is_proven_in_opposite_gusts(avoidance):
 @pytest.mark.parametrize("planner", ["radmpc", "multi-vehicle", "dmpc", "rmpc-rrt"])
 def test_planners_of_one_vehicle_at_a_time_refuse_shared_gusts_in_one_line(planner):
     scenario = passing(("wind", GUST), ("wind", GUST))
-    with pytest.raises(ScenarioError, match="take certified, ira or distance") as caught:
+    with pytest.raises(ScenarioError, match="use certified, ira or distance") as caught:
         radmpc.plan(scenario, planner, rng=0)
     assert "\n" not in str(caught.value)
 

@@ -261,7 +261,7 @@ def test_the_seed_of_the_plan_seeds_the_trees_and_the_record_stays_as_it_is():
     controls = [p.plan.trajectories[0].controls for p in plans]
     assert np.array_equal(controls[0], controls[1])
     assert any(not np.array_equal(controls[0], c) for c in controls[2:])
-    assert {p.plan.planner for p in plans} == {"sigmas(3), rrt, centralized"}
+    assert {p.plan.planner for p in plans} == {"sigmas(3), rrt(max_nodes=60), centralized"}
 
 
 @pytest.mark.slow

@@ -178,7 +178,9 @@ def test_a_goal_with_a_speed_is_for_vehicles_that_have_one() -> None:
         gain=None,
     )
     goals = [drifter.goal, given.goals[1]]
-    with pytest.raises(ScenarioError, match=r"^goals\[1\]\.speed: the dynamics of 'a', who might"):
+    with pytest.raises(
+        ScenarioError, match=r"^goals\[1\]\.speed: the dynamics of 'a', which might"
+    ):
         replace(given, vehicles=(drifter, given.vehicles[1]), goals=goals)
 
 

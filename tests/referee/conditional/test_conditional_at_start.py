@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from conditional_scenes import SCENES as NOISY
 from estimating_missions import left_after
 from estimating_scenes import SCENES as ESTIMATING
 from fleets import random_plan
 from gusty_missions import SCENES as GUSTY
-from noisy_scenes import SCENES as NOISY
 
 from radmpc.referee import certify
 from radmpc.referee.conditional.conditional import conditional, witnesses_of

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from conditional_scenes import SCENES
 from noisy_missions import check_charges, flown_noisily
-from noisy_scenes import SCENES
 
 from radmpc.referee.conditional import conditional as module
 from radmpc.referee.conditional.conditional import witnesses_of

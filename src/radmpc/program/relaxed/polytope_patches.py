@@ -131,7 +131,7 @@ def _parted(split: Splitting, corners: tuple[int, ...], vertex: int) -> _Patch:
 def _at_edges(
     normals: Matrix, is_on: npt.NDArray[np.bool_], split: Splitting
 ) -> Iterator[tuple[tuple[int, ...], int]]:
-    """Yield half arcs from one normal towards the next one at an edge, and an end of the edge."""
+    """Yield half arcs from one normal toward the next one at an edge, and an end of the edge."""
     for one, two in combinations(range(len(is_on)), 2):
         faces = np.flatnonzero(is_on[one] & is_on[two])
         # Both sides of a plate meet nowhere but at its edges.
