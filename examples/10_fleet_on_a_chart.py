@@ -13,8 +13,6 @@ from pathlib import Path
 import numpy as np
 
 import radmpc
-from radmpc.importing import ImportOptions, import_scenario
-from radmpc.io.export.exporting import export_plan, save_exported
 
 EXPECTED = 0.25 * 1.5 * 2.0**0.5  # the radius is 1.5 m
 TOLERANCE = 0.05  # waypoints are rounded to 1e-7 degrees, the earth to a sphere
@@ -37,12 +35,12 @@ def main(out: Path) -> float:
             chart["features"] += [{"type": "Feature", "properties": properties, "geometry": point}]
     (out / "marina.geojson").write_text(json.dumps(chart), encoding="utf-8")
 
-    imported = import_scenario(out / "marina.geojson", ImportOptions(horizon=16))
+    imported = radmpc.import_scenario(out / "marina.geojson", radmpc.ImportOptions(horizon=16))
     plan = radmpc.plan(imported.scenario).require()
     radmpc.save_animation(plan, out / "10_fleet_on_a_chart.gif", frames_per_step=2)
-    save_exported(export_plan(plan, "geojson", out / "plan.geojson"))
-    missions = export_plan(plan, "qgc", out / "mission.plan")
-    save_exported(missions)
+    radmpc.save_exported(radmpc.export_plan(plan, "geojson", out / "plan.geojson"))
+    missions = radmpc.export_plan(plan, "qgc", out / "mission.plan")
+    radmpc.save_exported(missions)
 
     goals = {name: way[1] for name, way in MORE.items()}
     goals |= {"alpha": [10.1458, 54.3323], "bravo": [10.1443, 54.3325]}

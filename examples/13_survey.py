@@ -14,7 +14,6 @@ import shapely  # type: ignore[import-untyped] # it has no types
 from matplotlib.figure import Figure
 
 import radmpc
-from radmpc.model.survey import survey_visits
 
 EXPECTED, TOLERANCE = 0.948, 0.01  # plans are made to a gap of 0.1 %
 
@@ -26,7 +25,7 @@ SYSTEM = radmpc.double_integrator(DT, dimension=2)
 def boat(index: int) -> radmpc.Vehicle:
     """Return a boat with every third of the area, from south to north."""
     strip = shapely.Polygon(AREA) & shapely.box(-9, 16 * index, 99, 16 * index + 16)
-    lines = survey_visits(np.array(strip.exterior.coords)[:-1], SPACING, half_width=0.5)
+    lines = radmpc.survey_visits(np.array(strip.exterior.coords)[:-1], SPACING, half_width=0.5)
     due = [3 + LEG * k for k in range(len(lines))]
     via = [replace(v, between=(k, k + 1)) for v, k in zip(lines, due, strict=True)]
     ends = [-8.0, 16 * index + 4.0], radmpc.Goal.at([-8, 16 * index + 12], 1)

@@ -255,7 +255,7 @@ ARGUMENTS: dict[str, tuple[Call, str]] = {
     ),
     "a log's name to identify": (
         lambda: radmpc.identify("log.csv"),
-        r"tracks must be a sequence of Track, got 'log.csv': read_logs of radmpc.importing.logs",
+        r"tracks must be a sequence of Track, got 'log.csv': radmpc.read_logs reads files",
     ),
     "one track to identify": (lambda: radmpc.identify(PLAN), r"tracks must be .*, got a Plan"),
     "plans to identify": (lambda: radmpc.identify([PLAN]), r"tracks must be .*, got a Plan in"),

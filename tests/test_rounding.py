@@ -22,3 +22,16 @@ def test_short_numbers_stand_for_themselves(value):
 
 def test_nothing_is_nothing():
     assert rounded_down(0.0) == rounded_up(0.0) == 0.0
+
+
+@pytest.mark.parametrize(
+    "value", [np.nextafter(0.01, 1.0), np.nextafter(0.01, 0.0), 0.1 + 0.2, 1.0 + 1e-10, 5e-324]
+)
+def test_rounding_errors_put_no_number_on_the_wrong_side(value):
+    assert rounded_down(value) <= value <= rounded_up(value)
+    assert rounded_down(value) < rounded_up(value) or value == 5e-324
+
+
+def test_a_risk_just_above_a_short_one_is_not_within_it():
+    assert rounded_up(0.0100000000001) == 0.011
+    assert rounded_down(0.0099999999999) == 0.0099

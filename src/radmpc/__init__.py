@@ -37,15 +37,22 @@ if TYPE_CHECKING:
     from radmpc.flying.receding.long_mission import LongMission
     from radmpc.flying.recording.campaign import begin_flight, resume_flight
     from radmpc.flying.tick import Contact, Tick
+    from radmpc.geodesy import Origin
     from radmpc.identification import Identification, Track, identify
     from radmpc.importing import ImportedScenario, ImportOptions, import_scenario
-    from radmpc.io.export.exporting import ExportOptions, save_export
+    from radmpc.importing.logs.reading import read_logs
+    from radmpc.io.export.exporting import ExportOptions, export_plan, save_export, save_exported
     from radmpc.io.flight.flight_file import load_flight
     from radmpc.io.flight.record import FlightRecord, FlightSettings
     from radmpc.io.native.mapping import from_dict, to_dict
     from radmpc.io.native.plan_file import load_plan, save_plan
     from radmpc.io.native.scenario_file import load_scenario, save_scenario
     from radmpc.io.tables import to_pandas, to_xarray
+    from radmpc.model.discretization import (
+        double_integrator_noise,
+        step_covariance,
+        white_density,
+    )
     from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
     from radmpc.model.noise.measurement import Measurement
     from radmpc.model.noise.shared import SharedDisturbance
@@ -54,8 +61,9 @@ if TYPE_CHECKING:
     from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
     from radmpc.model.relations.keep import Keep
     from radmpc.model.scenario import Scenario, Workspace
+    from radmpc.model.survey import survey_visits
     from radmpc.model.vehicle import Goal, Vehicle
-    from radmpc.model.visits import Visit
+    from radmpc.model.visits import Visit, steps_visited
     from radmpc.planners import Planner
     from radmpc.planning import plan
     from radmpc.plotting import (
@@ -98,6 +106,7 @@ __all__ = [
     "Model",
     "NoPlanError",
     "Obstacle",
+    "Origin",
     "Plan",
     "Planner",
     "RadmpcError",
@@ -122,6 +131,8 @@ __all__ = [
     "begin_flight",
     "certify",
     "double_integrator",
+    "double_integrator_noise",
+    "export_plan",
     "fly",
     "from_dict",
     "identify",
@@ -138,19 +149,25 @@ __all__ = [
     "plot_plan",
     "plot_risk",
     "plot_scenario",
+    "read_logs",
     "resume_flight",
     "save_animation",
     "save_export",
+    "save_exported",
     "save_figure",
     "save_plan",
     "save_scenario",
     "simulate",
+    "step_covariance",
+    "steps_visited",
+    "survey_visits",
     "thin",
     "to_dict",
     "to_pandas",
     "to_xarray",
     "track_from_course",
     "view",
+    "white_density",
 ]
 
 # Where each name stands; it is loaded when first asked for. Solvers and matplotlib take most of a
@@ -166,7 +183,8 @@ _HOMES = {
         "ScenarioError",
         "SolverError",
     ),
-    "io.export.exporting": ("ExportOptions", "save_export"),
+    "io.export.exporting": ("ExportOptions", "export_plan", "save_export", "save_exported"),
+    "geodesy": ("Origin",),
     "flying.flight": ("Flight", "fly"),
     "flying.mission": ("Mission",),
     "flying.model": ("Model",),
@@ -177,10 +195,12 @@ _HOMES = {
     "io.flight.flight_file": ("load_flight",),
     "io.flight.record": ("FlightRecord", "FlightSettings"),
     "importing": ("ImportOptions", "ImportedScenario", "import_scenario"),
+    "importing.logs.reading": ("read_logs",),
     "io.native.mapping": ("from_dict", "to_dict"),
     "io.native.plan_file": ("load_plan", "save_plan"),
     "io.native.scenario_file": ("load_scenario", "save_scenario"),
     "io.tables": ("to_pandas", "to_xarray"),
+    "model.discretization": ("double_integrator_noise", "step_covariance", "white_density"),
     "model.dynamics": ("LinearSystem", "double_integrator", "lqr_gain"),
     "model.relations.keep": ("Keep",),
     "model.noise.measurement": ("Measurement",),
@@ -190,7 +210,8 @@ _HOMES = {
     "model.plan": ("Coupling", "LedgerRow", "Plan", "Risk", "Status", "Trajectory"),
     "model.scenario": ("Scenario", "Workspace"),
     "model.vehicle": ("Goal", "Vehicle"),
-    "model.visits": ("Visit",),
+    "model.survey": ("survey_visits",),
+    "model.visits": ("Visit", "steps_visited"),
     "planners.planner": ("Planner",),
     "planning": ("plan",),
     "plotting": (

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from radmpc.arguments import value_text
 from radmpc.errors import ScenarioError
+from radmpc.ranges import LARGEST, sized
 
 __all__ = [
     "Frozen",
@@ -175,7 +176,9 @@ def as_axes(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Vec
     return as_vector(value, size, path)
 
 
-def as_covariance(value: object, size: int, path: tuple[str | int, ...]) -> Matrix:
+def as_covariance(
+    value: object, size: int, path: tuple[str | int, ...], most: float = LARGEST
+) -> Matrix:
     """Return a covariance matrix from a scalar, a diagonal or a matrix.
 
     Parameters
@@ -186,19 +189,18 @@ def as_covariance(value: object, size: int, path: tuple[str | int, ...]) -> Matr
         Number of states n.
     path : tuple of str or int
         Where it stands, for the message.
+    most : float
+        Largest magnitude of its entries.
 
     Raises
     ------
     ScenarioError
-        If it is not symmetric positive semi-definite.
+        If it is not symmetric positive semi-definite, or too large.
     """
-    array = np.asarray(value, dtype=object)
-    if array.ndim == 0:
-        matrix = as_array(value, (), path) * np.eye(size)  # type: ignore[arg-type] # checked there
-    elif array.ndim == 1:
-        matrix = np.diag(as_vector(value, size, path))  # type: ignore[arg-type] # checked there
-    else:
-        matrix = as_matrix(value, (size, size), path)  # type: ignore[arg-type] # checked there
+    num_axes = min(np.asarray(value, dtype=object).ndim, 2)
+    given = as_array(value, (size,) * num_axes, path)  # type: ignore[arg-type] # checked there
+    given = sized(given, path, most)
+    matrix = given if num_axes == 2 else np.diag(np.broadcast_to(given, size))
     scale = max(float(np.abs(matrix).max()), 1e-300)
     if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9 * scale):
         i, j = np.unravel_index(int(np.abs(matrix - matrix.T).argmax()), matrix.shape)
@@ -207,7 +209,7 @@ def as_covariance(value: object, size: int, path: tuple[str | int, ...]) -> Matr
             f"[{j}][{i}]",
             path,
         )
-    matrix = 0.5 * (matrix + matrix.T)
+    matrix = 0.5 * matrix + 0.5 * matrix.T
     lowest = float(np.linalg.eigvalsh(matrix)[0])
     if lowest < -1e-9 * scale:
         raise ScenarioError(

@@ -14,9 +14,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, field, fields, replace
 from operator import attrgetter
 from reprlib import recursive_repr
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
-__all__ = ["Kept", "asdict", "dataclass", "field", "fields", "replace"]
+__all__ = ["FrozenDict", "Kept", "asdict", "dataclass", "field", "fields", "replace"]
 
 _Methods = Mapping[str, object]
 
@@ -90,6 +90,36 @@ class Kept:
             self._found[compute] = compute(value)
         found: _Result = self._found[compute]
         return found
+
+
+class FrozenDict(dict[str, Any]):
+    """A mapping of a frozen value: a copy of the caller's, in depth, that nobody changes.
+
+    A dict, so that JSON, pickles and copies take it as they take any.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, given: Mapping[str, Any]) -> None:
+        super().__init__((key, _copied(value)) for key, value in given.items())
+
+    def __reduce__(self) -> tuple[type[FrozenDict], tuple[dict[str, Any]]]:
+        """Return what makes an equal one."""
+        return FrozenDict, (dict(self),)
+
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        """Refuse to be changed."""
+        raise TypeError("this mapping belongs to a frozen value: make a dict of it to change it")
+
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    clear = pop = popitem = setdefault = update = _refuse
+
+
+def _copied(value: Any) -> Any:
+    """Return a copy of what dicts, lists and tuples hold, the dicts frozen."""
+    if isinstance(value, Mapping):
+        return FrozenDict(value)
+    return type(value)(map(_copied, value)) if type(value) in {list, tuple} else value
 
 
 class _LateInit:

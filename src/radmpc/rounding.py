@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from math import ceil, floor, log10
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 
 __all__ = ["rounded_down", "rounded_up"]
 
-_LEAST = 1e-300
-"""Value below which all count as that [-]: smaller ones have no power of ten to be scaled by."""
-
-_NOISE = 1e-9
-"""What a scaled value may miss a whole number by and still count as it [-]: rounding errors."""
-
 
 def rounded_up(value: float, num_digits: int = 2) -> float:
-    """Return the next larger number of so many digits.
+    """Return the next larger number of so many digits; what has no more digits stays itself.
 
     Parameters
     ----------
@@ -22,13 +16,17 @@ def rounded_up(value: float, num_digits: int = 2) -> float:
         What is rounded, >= 0.
     num_digits : int
         Significant digits that are kept.
+
+    Returns
+    -------
+    float
+        At least the value, without exception: of rounding errors in it nothing is known.
     """
-    digits = _decimals(value, num_digits)
-    return round(ceil(value * 10.0**digits - _NOISE) / 10.0**digits, digits)
+    return _rounded(value, num_digits, ROUND_CEILING)
 
 
 def rounded_down(value: float, num_digits: int = 2) -> float:
-    """Return the next smaller number of so many digits.
+    """Return the next smaller number of so many digits; what has no more digits stays itself.
 
     Parameters
     ----------
@@ -36,11 +34,19 @@ def rounded_down(value: float, num_digits: int = 2) -> float:
         What is rounded, >= 0.
     num_digits : int
         Significant digits that are kept.
+
+    Returns
+    -------
+    float
+        At most the value, without exception.
     """
-    digits = _decimals(value, num_digits)
-    return round(floor(value * 10.0**digits + _NOISE) / 10.0**digits, digits)
+    return _rounded(value, num_digits, ROUND_FLOOR)
 
 
-def _decimals(value: float, num_digits: int) -> int:
-    """Return how many decimals a value has with so many digits; negative from tens on."""
-    return num_digits - 1 - floor(log10(max(value, _LEAST)))
+def _rounded(value: float, num_digits: int, direction: str) -> float:
+    """Return a value rounded as it is written: by the shortest decimals that mean this float.
+
+    A number of so many digits is then itself, and any other float lies strictly between two of
+    them, whose floats are no further away than it.
+    """
+    return float(Context(prec=num_digits, rounding=direction).create_decimal(repr(float(value))))

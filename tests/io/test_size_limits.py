@@ -17,7 +17,8 @@ from radmpc.importing.formats import import_scenario
 from radmpc.importing.rounding import rounded
 from radmpc.io.native.scenario_file import load_scenario
 from radmpc.io.text.files import read_text
-from radmpc.model.dynamics import double_integrator, growth, lqr_gain
+from radmpc.model.consistency import growth
+from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
 
 INSTANCES = Path(__file__).parents[2] / "instances"
 DYNOBENCH: dict[str, Any] = {
@@ -180,9 +181,12 @@ def test_a_normal_too_short_to_scale_is_refused() -> None:
         halfspaces([[1e-300, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]], [1e9, 1, 1, 1])
 
 
-def test_a_step_so_short_that_the_regulator_overflows_leads_to_no_gain() -> None:
+def test_a_step_so_short_that_the_regulator_overflows_is_none() -> None:
+    with pytest.raises(ScenarioError, match=r"dt: must lie between 1e-06 and 1e\+06 s"):
+        double_integrator(1e-300, 2)
+    nothing = LinearSystem(np.eye(4), 1e-300 * np.eye(4)[:, 2:], (0, 1), (2, 3))
     with pytest.raises(ScenarioError, match=r"no stabilizing gain|must be finite"):
-        lqr_gain(double_integrator(1e-300, 2), np.eye(4), np.diag([1.0, 2.0]))
+        lqr_gain(nothing, np.eye(4), np.diag([1.0, 2.0]))
 
 
 def test_growth_is_the_largest_factor_on_the_way() -> None:

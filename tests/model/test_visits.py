@@ -73,7 +73,7 @@ def test_vehicles_keep_their_visits_through_pickles_and_files() -> None:
             lambda: scenario(
                 Visit.at([0.0, 0.0], between=[4, 5]), Visit.at([1.0, 0.0], between=[1, 4])
             ),
-            "vehicles[0].via[0]: leaves no step: each visit takes place at a later step",
+            "vehicles[0].via[0]: leaves no step: visits must take place in order, one step apart",
         ),
         (
             lambda: scenario(

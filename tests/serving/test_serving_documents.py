@@ -13,7 +13,7 @@ from radmpc.io.native.scenario_file import load_scenario
 from radmpc.io.text.yaml_text import read_yaml
 from radmpc.model.scenario import Scenario
 from radmpc.serving.documents.content import changed
-from radmpc.serving.documents.text import Origin, text_of
+from radmpc.serving.documents.text import Original, text_of
 
 HARBOR = files("radmpc.data").joinpath("harbor.yaml").read_text(encoding="utf-8")
 
@@ -159,18 +159,18 @@ def test_a_template_that_is_changed_everywhere_keeps_its_comments(kind):
             **content["vehicles"][0], "name": "another"}},
     ]  # fmt: skip
     after = changed(content, changes)
-    written = text_of(after, ".yaml", Origin(text))
+    written = text_of(after, ".yaml", Original(text))
     assert read_yaml(written, kind)[0] == after
     comments = [line.split("#", 1)[1] for line in text.splitlines() if "#" in line]
     kept = sum(comment in written for comment in comments)
     assert kept >= len(comments) - 3
-    assert json.loads(text_of(after, ".json", Origin(text))) == after
+    assert json.loads(text_of(after, ".json", Original(text))) == after
 
 
 def test_an_alias_is_written_out_where_its_two_places_differ():
     text = "a: &one [1, 2]\nb: *one\n"
     after = {"a": [1, 2], "b": [1, 3]}
-    assert read_yaml(text_of(after, ".yaml", Origin(text)), "text")[0] == after
+    assert read_yaml(text_of(after, ".yaml", Original(text)), "text")[0] == after
 
 
 @pytest.mark.parametrize(

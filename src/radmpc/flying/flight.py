@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from radmpc.arrays import Vector
-from radmpc.errors import ArgumentTypeError
+from radmpc.errors import ArgumentError, ArgumentTypeError
 from radmpc.flying.measuring import check_number
 from radmpc.flying.model import Backend
 from radmpc.flying.tick import Contact, Entry, Tick
@@ -143,10 +143,14 @@ def fly(
     ArgumentTypeError
         If there is no mission, or no backend.
     ArgumentError
-        If patience is below 0.
+        If patience is below 0, or the mission has flown steps already.
     """
     _check_flyable(mission, backend)
     check_number(patience, "patience")
+    flown = sum(bool(tick.segments) for tick in mission.ticks)
+    if flown:
+        steps = count_text(flown, "step")
+        raise ArgumentError(f"mission must be at its beginning, got one that has flown {steps}")
     vehicles = mission.scenario.vehicles
     states, contacts = backend.reset()
     visited = [tuple(states)]

@@ -14,6 +14,7 @@ from radmpc.flying.tick import Contact
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.ranges import LARGEST
 from radmpc.referee.claims.claims import shape_problems
 from radmpc.result import Result
 
@@ -99,7 +100,8 @@ def measured(scenario: Scenario, states: States) -> tuple[Vector, ...] | None:
     scenario : Scenario
         Of the mission.
     states : mapping, sequence of (n,) array or None, or None
-        By vehicle, or in the scenario's order; if any is None or not finite, there is none.
+        By vehicle, or in the scenario's order; if any is None, not finite or beyond what
+        scenarios take, there is none.
 
     Raises
     ------
@@ -130,12 +132,16 @@ def heard(scenario: Scenario, states: States) -> tuple[Vector | None, ...]:
         missing = [v.name for v in vehicles if v.name not in states]
         if missing:
             raise ScenarioError(f"must have a state of every vehicle, lacks {missing}", ("states",))
+        if len(states) > len(vehicles):
+            known = [v.name for v in vehicles]
+            unknown = [name for name in states if name not in known]
+            raise ScenarioError(f"must be of the vehicles {known}, got {unknown}", ("states",))
         states = [states[v.name] for v in vehicles]
     if len(states) != len(vehicles):
         raise ScenarioError(f"must be {len(vehicles)} states, got {len(states)}", ("states",))
     found: list[Vector | None] = [None] * len(vehicles)
     for i, (state, vehicle) in enumerate(zip(states, vehicles, strict=True)):
-        if state is not None and np.all(np.isfinite(_numbers(state, i))):
+        if state is not None and np.all(np.abs(_numbers(state, i)) <= LARGEST):
             found[i] = as_vector(state, vehicle.system.num_states, ("states", i))
     return tuple(found)
 

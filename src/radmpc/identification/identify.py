@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.arguments import check_integer
+from radmpc.errors import FileFormatError
 from radmpc.identification.cleaning import clean, without_copies
 from radmpc.identification.commands import command_warning
 from radmpc.identification.differing import scaled_apart, vehicles_differ
@@ -17,6 +18,7 @@ from radmpc.identification.segments import Evidence, Transitions, segments, with
 from radmpc.identification.sharing import Shared, shared_part
 from radmpc.identification.track import Track, check_tracks
 from radmpc.identification.unknown import unknowns
+from radmpc.ranges import check_range
 from radmpc.records import dataclass
 
 __all__ = ["Identification", "identify"]
@@ -91,7 +93,7 @@ def identify(
     dt : float or None
         Step that the numbers are to refer to [s]; None is the logs' own.
     dimension : int or None
-        Axes to look at; None is all that every log has.
+        Axes to look at, 2 or 3; None is all that every log has.
     warnings : sequence of str
         What reading the logs had to say; goes before what is found here.
 
@@ -103,18 +105,20 @@ def identify(
     Raises
     ------
     ArgumentTypeError
-        If the first is no sequence of tracks.
+        If the first is no sequence of tracks, or the dimension no integer.
+    ArgumentError
+        If the dimension is neither 2 nor 3.
     FileFormatError
         If a log contradicts itself, or there is too little of it.
     ScenarioError
-        If the step is not above zero.
+        If the step is no number from 1e-6 to 1e6 s.
     """
-    if dt is not None and not (np.isfinite(dt) and dt > 0.0):
-        raise ScenarioError(f"must be > 0 s, got {dt:g}", ("dt",))
+    asked = None if dt is None else check_range(dt, "s", ("dt",))
+    axes = None if dimension is None else check_integer(dimension, "dimension", 2, 3)
     check_tracks(tracks)
     told = list(warnings)
-    cleaned = _cleaned(tracks, dimension, told)
-    step = _step(cleaned) if dt is None else dt
+    cleaned = _cleaned(tracks, axes, told)
+    step = asked or _step(cleaned)
     at_steps = _sampled(cleaned, step, told)
     evidence = _evidence(cleaned, told)
     told += [line for one in at_steps for line in command_warning(one, evidence)]

@@ -7,8 +7,9 @@ from os import PathLike
 
 import numpy as np
 
+from radmpc.arguments import field_text
 from radmpc.arrays import Frozen, Matrix, Vector, frozen
-from radmpc.errors import ArgumentTypeError, FileFormatError
+from radmpc.errors import ArgumentTypeError, FileFormatError, ScenarioError
 from radmpc.records import dataclass
 from radmpc.wording import one, value_text
 
@@ -40,6 +41,11 @@ class Track(Frozen):
         Where it was to be [m], and how fast [m/s] if that was logged, too.
     second_positions : (N, d) array or None
         The same positions by another sensor [m].
+
+    Raises
+    ------
+    ScenarioError
+        If a word is no text, an array holds no numbers, or its shape is another.
     """
 
     name: str
@@ -53,11 +59,39 @@ class Track(Frozen):
     second_positions: Matrix | None = None
 
     def __post_init__(self) -> None:
-        """Copy and freeze the arrays."""
-        object.__setattr__(self, "times", frozen(np.array(self.times, dtype=np.float64)))
+        """Copy and freeze the arrays, and check that they fit."""
+        for name in ("name", "source", "clock"):
+            field_text(getattr(self, name), (name,))
+        object.__setattr__(self, "times", self._entries("times"))
+        if self.times.ndim != 1:
+            raise ScenarioError(f"must have shape (any), got {self.times.shape}", ("times",))
+        if self.positions is None:
+            raise ScenarioError("must be a matrix, got None", ("positions",))
         for name in self.parts():
-            array = getattr(self, name)
-            object.__setattr__(self, name, frozen(np.array(array, dtype=np.float64)))
+            object.__setattr__(self, name, self._entries(name))
+            self._check_shape(name)
+
+    def _entries(self, name: str) -> Matrix:
+        """Return a copy of an array, of numbers that may be NaN."""
+        given = getattr(self, name)
+        try:
+            return frozen(np.array(given, dtype=np.float64))
+        except (TypeError, ValueError) as error:
+            raise ScenarioError(
+                f"must be numbers of equal row length, got {value_text(given)}", (name,)
+            ) from error
+
+    def _check_shape(self, name: str) -> None:
+        """Refuse a part that has not one row per time, or other axes than the positions."""
+        shape, num = getattr(self, name).shape, len(self.times)
+        if name == "positions":
+            axes: tuple[int, ...] = (2, 3)
+        else:
+            d = self.dimension
+            axes = (d, 2 * d) if name == "references" else (d,)
+        if len(shape) != 2 or shape[0] != num or shape[1] not in axes:
+            allowed = " or ".join(f"({num}, {each})" for each in axes)
+            raise ScenarioError(f"must have shape {allowed}, got {shape}", (name,))
 
     def parts(self) -> tuple[str, ...]:
         """Return the names of what was logged beside the times.
@@ -126,8 +160,7 @@ def check_tracks(tracks: object) -> None:
     wanted = "tracks must be a sequence of Track"
     if isinstance(tracks, str | PathLike):
         raise ArgumentTypeError(
-            f"{wanted}, got {value_text(tracks)}: "
-            "read_logs of radmpc.importing.logs.reading reads files"
+            f"{wanted}, got {value_text(tracks)}: radmpc.read_logs reads files, and has .tracks"
         )
     if not isinstance(tracks, Sequence):
         raise ArgumentTypeError(f"{wanted}, got {value_text(tracks)}")

@@ -219,7 +219,15 @@ def _workspace(
     # What is as published stays so, bit for bit.
     lower = np.where(lower == problem.workspace.lower, lower, rounded(lower))
     upper = np.where(upper == problem.workspace.upper, upper, rounded(upper))
-    return Workspace(lower, upper)
+    try:
+        return Workspace(lower, upper)
+    except ScenarioError as error:
+        raise _cannot_be(error, "workspace") from error
+
+
+def _cannot_be(error: ScenarioError, *path: str) -> ScenarioError:
+    """Return the error of a part that a problem leads to: it stands nowhere in the problem."""
+    return ScenarioError(f"leads to a scenario that cannot be: {error.under(*path)}")
 
 
 def _vehicle(vehicle: ForeignVehicle, dt: float, horizon: int, noise: Noise) -> Vehicle:
@@ -232,11 +240,15 @@ def _vehicle(vehicle: ForeignVehicle, dt: float, horizon: int, noise: Noise) -> 
         half = np.maximum(vehicle.goal_half_width - _BORDER_SIGMAS * noise.final, 0.0)
     usual = rounded(np.full(d, _GOAL_SPEED * vehicle.speed_limit))
     speed = np.maximum(usual, np.abs(vehicle.goal_velocity))
+    try:
+        goal = Goal(rounded(vehicle.goal - half), rounded(vehicle.goal + half), speed, within)
+    except ScenarioError as error:
+        raise _cannot_be(error, f"vehicle {vehicle.name!r}", "goal") from error
     return Vehicle(
         name=vehicle.name,
         system=double_integrator(dt, d),
         start=np.concatenate([vehicle.start, vehicle.start_velocity]),
-        goal=Goal(rounded(vehicle.goal - half), rounded(vehicle.goal + half), speed, within),
+        goal=goal,
         radius=vehicle.radius,
         control_limit=np.full(d, vehicle.control_limit),
         speed_limit=np.full(d, vehicle.speed_limit),

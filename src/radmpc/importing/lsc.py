@@ -14,10 +14,10 @@ from radmpc.importing.problem import ForeignModel, ForeignProblem, ForeignVehicl
 from radmpc.io.native.checking import validated
 from radmpc.io.native.numbers import Number, Text
 from radmpc.io.native.numbers import Vector as Numbers
-from radmpc.io.ranges import check_range
 from radmpc.io.text.document import Document
 from radmpc.io.text.files import shown
 from radmpc.model.scenario import Workspace
+from radmpc.ranges import check_range
 
 __all__ = ["is_lsc", "read_lsc"]
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from radmpc.arguments import field_integer, field_number, value_text
 from radmpc.errors import ScenarioError
-from radmpc.io.ranges import check_range
 from radmpc.model.scenario import Avoidance
+from radmpc.ranges import check_range
 from radmpc.records import dataclass
 
 __all__ = ["LAYER_ROLES", "ImportOptions"]

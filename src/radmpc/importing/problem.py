@@ -10,10 +10,10 @@ from pydantic import BaseModel, ConfigDict
 
 from radmpc.arrays import Vector, as_vector
 from radmpc.errors import ScenarioError
-from radmpc.io.ranges import check_range
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Workspace
+from radmpc.ranges import check_range
 from radmpc.records import dataclass, replace
 
 __all__ = ["ForeignModel", "ForeignProblem", "ForeignVehicle", "ForeignVisit", "Window"]

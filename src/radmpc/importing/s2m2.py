@@ -16,11 +16,11 @@ from radmpc.importing.rounding import rounded
 from radmpc.io.native.checking import validated
 from radmpc.io.native.numbers import Matrix, Number, Text
 from radmpc.io.native.numbers import Vector as Numbers
-from radmpc.io.ranges import check_range
 from radmpc.io.text.document import Document
 from radmpc.io.text.files import shown
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
+from radmpc.ranges import check_range
 
 __all__ = ["is_s2m2", "read_s2m2"]
 

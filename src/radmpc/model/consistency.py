@@ -7,8 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from radmpc.arrays import Matrix
 from radmpc.errors import ScenarioError
-from radmpc.model.dynamics import growth
+from radmpc.model.dynamics import LinearSystem
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.workspace import Workspace
@@ -22,6 +23,7 @@ __all__ = [
     "check_step",
     "check_windows",
     "check_workspace",
+    "growth",
 ]
 
 _MOST_GROWTH = 1e12
@@ -82,7 +84,7 @@ def check_dimensions(
             raise ScenarioError(
                 f"must be {d}-D like vehicle {vehicles[0].name!r}, "
                 f"got {vehicle.system.dimension}-D",
-                ("vehicles", i, "goal"),
+                ("vehicles", i, "dynamics"),
             )
     for i, obstacle in enumerate(obstacles):
         if any(p.dimension != d for pieces in obstacle.steps for p in pieces):
@@ -94,6 +96,36 @@ def check_dimensions(
     if pair_faces is not None and (pair_faces < least or (d == 3 and pair_faces % 2)):
         kind = "an even number of at least 6" if d == 3 else "at least 3"
         raise ScenarioError(f"must be {kind} in {d}-D, got {pair_faces}", ("pair_faces",))
+
+
+def growth(system: LinearSystem, gain: Matrix | None, horizon: int) -> float:
+    """Return the largest factor from a state or a constant control to a state within the horizon.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        The dynamics.
+    gain : (m, n) array or None
+        Feedback K; None is open loop.
+    horizon : int
+        Number of steps T.
+
+    Returns
+    -------
+    float
+        Largest entry of the powers up to T of ``[[F, B], [0, 1]]`` with ``F = A + B K``; inf where
+        they overflow.
+    """
+    n, m = system.num_states, system.num_controls
+    step = np.eye(n + m)
+    step[:n, n:] = system.B
+    with np.errstate(all="ignore"):
+        step[:n, :n] = system.A if gain is None else system.A + system.B @ gain
+        powers = step[None]
+        while len(powers) < horizon:
+            powers = np.concatenate([powers, powers[-1] @ powers])
+        largest = float(np.abs(powers[:horizon]).max())
+    return largest if np.isfinite(largest) else float("inf")
 
 
 def check_growth(vehicles: tuple[Vehicle, ...], horizon: int, dt: float) -> None:

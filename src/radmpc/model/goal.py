@@ -12,6 +12,7 @@ from radmpc.arguments import field_number
 from radmpc.arrays import Frozen, Vector, as_axes, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.numbers import step_window
+from radmpc.ranges import sized
 from radmpc.records import dataclass
 
 __all__ = ["Goal"]
@@ -49,15 +50,16 @@ class Goal(Frozen):
 
     def __post_init__(self) -> None:
         """Freeze the arrays and check their order."""
-        lower = as_vector(self.lower, path=("min",))
+        lower = sized(as_vector(self.lower, path=("min",)), ("min",))
         object.__setattr__(self, "lower", lower)
-        object.__setattr__(self, "upper", as_vector(self.upper, lower.size, ("max",)))
+        upper = sized(as_vector(self.upper, lower.size, ("max",)), ("max",))
+        object.__setattr__(self, "upper", upper)
         if not np.all(self.lower <= self.upper):
             raise ScenarioError(
                 f"min must not exceed max, got {self.lower.tolist()} and {self.upper.tolist()}"
             )
         if self.speed is not None:
-            speed = as_vector(self.speed, lower.size, ("speed",))
+            speed = sized(as_vector(self.speed, lower.size, ("speed",)), ("speed",))
             object.__setattr__(self, "speed", speed)
             if np.any(speed < 0.0):
                 raise ScenarioError(f"must be >= 0 m/s, got {speed.tolist()}", ("speed",))

@@ -1,16 +1,141 @@
-"""A risk ledger summed by vehicle, and by hazard."""
+"""The risk of a plan: its ledger, summed by vehicle and by hazard."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import Literal
 
-from radmpc.model.plan import Cause, LedgerRow
+from radmpc.arguments import field_number, field_parts, one, value_text
+from radmpc.errors import ScenarioError
 from radmpc.records import dataclass
 
-__all__ = ["CAUSES", "Hazard", "bound_text", "hazards", "risk_by_vehicle"]
+__all__ = [
+    "CAUSES",
+    "Cause",
+    "Hazard",
+    "LedgerRow",
+    "Risk",
+    "bound_text",
+    "hazards",
+    "put_numbers",
+    "put_parts",
+    "risk_by_vehicle",
+]
+
+Cause = Literal["obstacle", "pair", "workspace", "range"]
 
 CAUSES: tuple[Cause, ...] = ("pair", "obstacle", "workspace", "range")
+
+
+@dataclass(frozen=True, slots=True)
+class LedgerRow:
+    """A share of the risk and what it was spent on.
+
+    Attributes
+    ----------
+    cause : {'obstacle', 'pair', 'workspace', 'range'}
+        What may be hit, left or lost.
+    vehicle : str
+        The vehicle.
+    other : str or None
+        The obstacle or the other vehicle; None for the workspace.
+    step : int
+        When, 0..T.
+    risk : float
+        Upper bound on the probability [-].
+    """
+
+    cause: Cause
+    vehicle: str
+    other: str | None
+    step: int
+    risk: float
+
+
+def put_numbers(value: object, names: Sequence[str], *path: str) -> None:
+    """Make numbers of a frozen value Python's, or leave them None; nan is one, judged later.
+
+    Parameters
+    ----------
+    value : object
+        Of a dataclass.
+    names : sequence of str
+        Its fields.
+    *path : str
+        Where it stands, for the message.
+
+    Raises
+    ------
+    ScenarioError
+        If one is no number.
+    """
+    for name in names:
+        number = getattr(value, name)
+        if number is not None and type(number) is not float:
+            object.__setattr__(value, name, field_number(number, (*path, name)))
+
+
+def put_parts(value: object, name: str, kind: type, *path: str) -> None:
+    """Make parts of a frozen value a tuple, all of one kind.
+
+    Parameters
+    ----------
+    value : object
+        Of a dataclass.
+    name : str
+        Its field.
+    kind : type
+        What they are.
+    *path : str
+        Where it stands, for the message.
+
+    Raises
+    ------
+    ScenarioError
+        If one is of another kind.
+    """
+    given = getattr(value, name)
+    parts = field_parts(given, f"a sequence of {kind.__name__}s", (*path, name))
+    if parts and set(map(type, parts)) != {kind}:
+        k, part = next((k, part) for k, part in enumerate(parts) if type(part) is not kind)
+        raise ScenarioError(f"must be {one(kind)}, got {value_text(part)}", (*path, name, k))
+    object.__setattr__(value, name, parts)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Risk:
+    """The risk bound, and the risk that the certificate charges against it.
+
+    Attributes
+    ----------
+    bound : float
+        The scenario's Δ.
+    certified : float or None
+        Upper bound on the joint collision probability; None without a plan.
+    ledger : tuple of LedgerRow
+        Where it goes; sums to ``certified``.
+    price : float or None
+        Shadow price of risk: what a little more Δ would save, cost per unit of probability; None
+        if unknown.
+    saturation : float or None
+        Upper bound on the probability that feedback ever asks for more control than there is,
+        beside ``certified``: that one speaks of missions in which it does not. None if
+        unknown.
+    """
+
+    bound: float
+    certified: float | None = None
+    ledger: tuple[LedgerRow, ...] = ()
+    price: float | None = None
+    saturation: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse parts of another kind."""
+        if type(self.bound) is not float:
+            object.__setattr__(self, "bound", field_number(self.bound, ("risk", "bound")))
+        put_numbers(self, ("certified", "price", "saturation"), "risk")
+        put_parts(self, "ledger", LedgerRow, "risk")
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from radmpc.arguments import field_integer, field_number, field_parts, value_text
 from radmpc.arrays import Matrix, Vector, as_axes, as_matrix
 from radmpc.errors import ScenarioError, all_checked, raise_together
+from radmpc.ranges import LARGEST, LEAST, check_range, check_size
 
 __all__ = [
     "check_correlation",
@@ -49,8 +50,10 @@ def check_scenario_numbers(
         With all that are.
     """
     found = []
-    if not (np.isfinite(dt) and dt > 0.0):
-        found.append(ScenarioError(f"must be > 0 s, got {dt}", ("dt",)))
+    try:
+        check_range(dt, "s", ("dt",))
+    except ScenarioError as error:
+        found.append(error)
     if horizon < 1:
         found.append(ScenarioError(f"must be at least 1 step, got {horizon}", ("horizon",)))
     if not 0.0 < risk_bound < 0.5:
@@ -109,7 +112,7 @@ def check_correlation(
 
 
 def check_not_negative(value: float, name: str) -> None:
-    """Refuse a value below zero.
+    """Refuse a value below zero, or too large.
 
     Parameters
     ----------
@@ -125,10 +128,11 @@ def check_not_negative(value: float, name: str) -> None:
     """
     if not (np.isfinite(value) and value >= 0.0):
         raise ScenarioError(f"must be >= 0, got {value}", (name,))
+    check_size(value, (name,))
 
 
 def check_positive(values: Vector, name: str, unit: str) -> None:
-    """Refuse values that are not above zero.
+    """Refuse values that are not above zero, or so small or large that their squares are none.
 
     Parameters
     ----------
@@ -145,8 +149,16 @@ def check_positive(values: Vector, name: str, unit: str) -> None:
         With the unit.
     """
     if not np.all(np.isfinite(values) & (values > 0.0)):
-        shown = values.tolist() if values.size > 1 else values.item()
-        raise ScenarioError(f"must be > 0 {unit}, got {shown}", (name,))
+        raise ScenarioError(f"must be > 0 {unit}, got {_shown(values)}", (name,))
+    if np.any(values > LARGEST):
+        raise ScenarioError(f"must be at most {LARGEST:.10g}, got {_shown(values)}", (name,))
+    if np.any(values < LEAST):
+        raise ScenarioError(f"must be at least {LEAST:g} {unit}, got {_shown(values)}", (name,))
+
+
+def _shown(values: Vector) -> float | list[float]:
+    """Return values as messages tell them."""
+    return values.tolist() if values.size > 1 else values.item()
 
 
 def step_window(given: object, name: str) -> tuple[int, int]:
@@ -200,6 +212,7 @@ def axes_under(norm: object, axes: Vector, name: str) -> tuple[float, Vector]:
     number = field_number(norm, (name, "norm"))
     if not 0.0 < number < float("inf"):
         raise ScenarioError(f"must be > 0, got {number:g}", (name, "norm"))
+    check_size(number, (name, "norm"))
     if axes.size not in (2, 3):
         raise ScenarioError(f"a norm needs two or three axes, got {axes.size}", (name,))
     least: Vector = np.minimum(axes, number)
@@ -230,6 +243,9 @@ def consistent_limits(
     """
     limits = None if axes is None else as_axes(axes, size, (name,))
     if norm is None:
+        if limits is None and name == "control_limit":
+            text = "needs a number per axis or a control_norm, got neither"
+            raise ScenarioError(text, (name,))
         return None, limits
     return axes_under(norm, np.full(size, np.inf) if limits is None else limits, name)
 

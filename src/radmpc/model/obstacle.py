@@ -7,10 +7,10 @@ from collections.abc import Iterable
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_parts, field_text
-from radmpc.arrays import Frozen, as_matrix, as_vector
-from radmpc.errors import ScenarioError
-from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull
+from radmpc.arguments import field_text
+from radmpc.arrays import Frozen
+from radmpc.errors import ArgumentError
+from radmpc.geometry import Polytope, box, halfspaces, hull
 from radmpc.model.obstacle_shapes import (
     BoxShape,
     Concerns,
@@ -19,7 +19,11 @@ from radmpc.model.obstacle_shapes import (
     MovingShape,
     PolygonShape,
     Shape,
+    corners_of,
+    faces_of,
     hulls_of,
+    outlines_of,
+    pieces_of,
     points_of,
 )
 from radmpc.model.obstacle_track import TrackShape, TrackSpread
@@ -93,7 +97,16 @@ class Obstacle(Frozen):
         -------
         tuple of Polytope
             Their union is the obstacle.
+
+        Raises
+        ------
+        ArgumentError
+            If it moves and has no such step: one on a track has 0 alone before its scenario.
         """
+        if self.is_moving and not 0 <= step < len(self.steps):
+            is_early = self.dt is None and isinstance(self.shape, TrackShape)
+            hint = ": its scenario lays out the others" if is_early else ""
+            raise ArgumentError(f"step must be from 0 to {len(self.steps) - 1}, got {step}{hint}")
         return self.steps[step] if self.is_moving else self.steps[0]
 
     def laid_out(self, dt: float, horizon: int) -> Obstacle:
@@ -111,9 +124,8 @@ class Obstacle(Frozen):
         Obstacle
             With its mean outlines at steps 0..T, and how far it strays from them.
         """
-        if not isinstance(self.shape, TrackShape):
-            return self
-        if self.dt == dt and len(self.steps) == horizon + 1:
+        is_done = self.dt == dt and len(self.steps) == horizon + 1
+        if is_done or not isinstance(self.shape, TrackShape):
             return self
         pieces = tuple((hull(outline),) for outline in self.shape.outlines(dt, horizon))
         return replace(self, steps=pieces, spread=self.shape.spread(dt, horizon), dt=dt)
@@ -147,13 +159,7 @@ class Obstacle(Frozen):
         """
         points = points_of(vertices, ("vertices",))
         free = tuple(points_of(hole, ("holes", i)) for i, hole in enumerate(holes))
-        if free and points.shape[1] != 2:
-            raise ScenarioError("must be left out in space: only polygons have holes", ("holes",))
-        try:
-            pieces = convex_pieces(points, free) if points.shape[1] == 2 else (hull(points),)
-        except ScenarioError as error:
-            raise error.under("vertices") from error
-        return cls(name, PolygonShape(points, free), (pieces,))
+        return cls(name, PolygonShape(points, free), (pieces_of(points, free),))
 
     @classmethod
     def line(cls, name: str, points: npt.ArrayLike) -> Obstacle:
@@ -202,9 +208,7 @@ class Obstacle(Frozen):
         ScenarioError
             If min is above max on some axis.
         """
-        low, high = as_vector(lower, path=("min",)), as_vector(upper, path=("max",))
-        if low.size != high.size:
-            raise ScenarioError(f"must have {low.size} coordinates, got {high.size}", ("max",))
+        low, high = corners_of(lower, upper)
         return cls(name, BoxShape(low, high), ((box(low, high),),))
 
     @classmethod
@@ -228,8 +232,7 @@ class Obstacle(Frozen):
         ScenarioError
             If the set is empty or unbounded.
         """
-        rows = as_matrix(normals, path=("normals",))
-        rhs = as_vector(offsets, len(rows), ("offsets",))
+        rows, rhs = faces_of(normals, offsets)
         return cls(name, HalfspaceShape(rows, rhs), ((halfspaces(rows, rhs),),))
 
     @classmethod
@@ -253,13 +256,7 @@ class Obstacle(Frozen):
         ScenarioError
             If there is no outline, or one has no point.
         """
-        given = field_parts(outlines, "one outline per step", ("moving",))
-        points = tuple(
-            points_of(o, ("moving", k))  # type: ignore[arg-type] # checked there
-            for k, o in enumerate(given)
-        )
-        if not points:
-            raise ScenarioError("needs one outline per step, got none", ("moving",))
+        points = outlines_of(outlines)
         return cls(name, MovingShape(points), tuple((one,) for one in hulls_of(points)))
 
     @classmethod

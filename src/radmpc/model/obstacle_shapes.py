@@ -6,10 +6,12 @@ from collections.abc import Sequence, Sized
 
 import numpy.typing as npt
 
-from radmpc.arrays import Frozen, Matrix, Vector, as_matrix
+from radmpc.arguments import field_parts
+from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector
 from radmpc.errors import ScenarioError
-from radmpc.geometry import Polytope, hull
+from radmpc.geometry import Polytope, convex_pieces, hull
 from radmpc.model.obstacle_track import TrackShape
+from radmpc.ranges import sized
 from radmpc.records import dataclass
 
 __all__ = [
@@ -20,7 +22,11 @@ __all__ = [
     "MovingShape",
     "PolygonShape",
     "Shape",
+    "corners_of",
+    "faces_of",
     "hulls_of",
+    "outlines_of",
+    "pieces_of",
     "points_of",
 ]
 
@@ -151,8 +157,91 @@ def points_of(value: npt.ArrayLike, path: tuple[str | int, ...]) -> Matrix:
     Raises
     ------
     ScenarioError
-        If there is none.
+        If there is none, or a number is too large.
     """
     if isinstance(value, Sized) and not len(value):
         raise ScenarioError("needs at least one point, got none", path)
-    return as_matrix(value, path=path)
+    return sized(as_matrix(value, path=path), path)
+
+
+def corners_of(lower: npt.ArrayLike, upper: npt.ArrayLike) -> tuple[Vector, Vector]:
+    """Return the corners of a box, (d,) each [m].
+
+    Parameters
+    ----------
+    lower, upper : (d,) array_like
+        What was given.
+
+    Raises
+    ------
+    ScenarioError
+        If they have different numbers of coordinates, or a number is too large.
+    """
+    low = sized(as_vector(lower, path=("min",)), ("min",))
+    high = sized(as_vector(upper, path=("max",)), ("max",))
+    if low.size != high.size:
+        raise ScenarioError(f"must have {low.size} coordinates, got {high.size}", ("max",))
+    return low, high
+
+
+def faces_of(normals: npt.ArrayLike, offsets: npt.ArrayLike) -> tuple[Matrix, Vector]:
+    """Return the faces of half-spaces, (f, d) and (f,).
+
+    Parameters
+    ----------
+    normals, offsets : (f, d) and (f,) array_like
+        What was given.
+
+    Raises
+    ------
+    ScenarioError
+        If there are not as many of both, or a number is too large.
+    """
+    rows = sized(as_matrix(normals, path=("normals",)), ("normals",))
+    return rows, sized(as_vector(offsets, len(rows), ("offsets",)), ("offsets",))
+
+
+def outlines_of(given: object) -> tuple[Matrix, ...]:
+    """Return outlines step by step, (v, d) each [m], at least one.
+
+    Parameters
+    ----------
+    given : iterable of (v, d) array_like
+        What was given.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no outline, or one has no point.
+    """
+    parts = field_parts(given, "one outline per step", ("moving",))
+    points = tuple(
+        points_of(part, ("moving", k))  # type: ignore[arg-type] # checked there
+        for k, part in enumerate(parts)
+    )
+    if not points:
+        raise ScenarioError("needs one outline per step, got none", ("moving",))
+    return points
+
+
+def pieces_of(points: Matrix, holes: tuple[Matrix, ...]) -> tuple[Polytope, ...]:
+    """Return the convex pieces of a polygon, in space the hull.
+
+    Parameters
+    ----------
+    points : (v, d) array
+        Corners [m].
+    holes : tuple of (h, 2) array
+        Outlines of parts that are free [m].
+
+    Raises
+    ------
+    ScenarioError
+        If an outline crosses itself, or holes are not within it or in space.
+    """
+    if holes and points.shape[1] != 2:
+        raise ScenarioError("must be left out in space: only polygons have holes", ("holes",))
+    try:
+        return convex_pieces(points, holes) if points.shape[1] == 2 else (hull(points),)
+    except ScenarioError as error:
+        raise error.under("vertices") from error

@@ -25,8 +25,10 @@ from radmpc.arrays import (
     as_matrix,
     as_vector,
     frozen,
+    unchecked,
 )
 from radmpc.errors import ScenarioError
+from radmpc.ranges import sized
 from radmpc.records import dataclass
 
 __all__ = ["TrackShape", "TrackSpread"]
@@ -123,14 +125,15 @@ class TrackShape(Frozen):
         put = object.__setattr__
         if isinstance(self.outline, Sized) and not len(self.outline):
             raise ScenarioError("needs at least one point, got none", ("moving", "outline"))
-        outline = as_matrix(self.outline, path=("moving", "outline"))
+        path = ("moving", "outline")
+        outline = sized(as_matrix(self.outline, path=path), path)
         put(self, "outline", outline)
         size = 2 * outline.shape[1]
         start = as_vector(self.start, path=("moving", "start"))
         if start.size != size:
             text = f"must have {size} numbers (a place and a velocity), got {start.size}"
             raise ScenarioError(text, ("moving", "start"))
-        put(self, "start", start)
+        put(self, "start", sized(start, ("moving", "start")))
         for name in ("covariance", "disturbance_covariance"):
             put(self, name, as_covariance(getattr(self, name), size, ("moving", name)))
 
@@ -191,7 +194,9 @@ class TrackShape(Frozen):
         for _ in range(steps):
             start = moved @ start
             covariance = moved @ covariance @ moved.T + self.disturbance_covariance
-        return TrackShape(self.outline, start, covariance, self.disturbance_covariance)
+        covariance = 0.5 * covariance + 0.5 * covariance.T
+        # What was checked at its beginning may have grown beyond what files take.
+        return unchecked(TrackShape, self.outline, start, covariance, self.disturbance_covariance)
 
 
 def _transition(dimension: int, dt: float) -> Matrix:

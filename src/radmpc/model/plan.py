@@ -4,21 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
-from radmpc.arguments import field_text
+from radmpc.arguments import (
+    field_integer,
+    field_parts,
+    field_text,
+    one,
+    value_text,
+)
 from radmpc.arrays import Frozen, Matrix, Tensor, as_array, as_matrix
+from radmpc.errors import ScenarioError
+from radmpc.model.ledger import Cause, LedgerRow, Risk, put_numbers, put_parts
 from radmpc.model.relations.couplings import Coupling, Reason
 from radmpc.model.scenario import Scenario
 from radmpc.notebook import html_table, listed
-from radmpc.records import dataclass, field
+from radmpc.records import FrozenDict, dataclass, field
 from radmpc.wording import percent
 
 __all__ = ["Cause", "Coupling", "LedgerRow", "Plan", "Reason", "Risk", "Status", "Trajectory"]
-
-Cause = Literal["obstacle", "pair", "workspace", "range"]
 
 
 class Status(Enum):
@@ -105,57 +111,12 @@ class Trajectory(Frozen):
             put(self, "gain", as_matrix(self.gain, path=("gain",)))
 
 
-@dataclass(frozen=True, slots=True)
-class LedgerRow:
-    """A share of the risk and what it was spent on.
-
-    Attributes
-    ----------
-    cause : {'obstacle', 'pair', 'workspace', 'range'}
-        What may be hit, left or lost.
-    vehicle : str
-        The vehicle.
-    other : str or None
-        The obstacle or the other vehicle; None for the workspace.
-    step : int
-        When, 0..T.
-    risk : float
-        Upper bound on the probability [-].
-    """
-
-    cause: Cause
-    vehicle: str
-    other: str | None
-    step: int
-    risk: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Risk:
-    """The risk bound, and the risk that the certificate charges against it.
-
-    Attributes
-    ----------
-    bound : float
-        The scenario's Δ.
-    certified : float or None
-        Upper bound on the joint collision probability; None without a plan.
-    ledger : tuple of LedgerRow
-        Where it goes; sums to ``certified``.
-    price : float or None
-        Shadow price of risk: what a little more Δ would save, cost per unit of probability; None
-        if unknown.
-    saturation : float or None
-        Upper bound on the probability that feedback ever asks for more control than there is,
-        beside ``certified``: that one speaks of missions in which it does not. None if
-        unknown.
-    """
-
-    bound: float
-    certified: float | None = None
-    ledger: tuple[LedgerRow, ...] = ()
-    price: float | None = None
-    saturation: float | None = None
+def _names(given: object) -> tuple[str, ...]:
+    """Return a set of vehicles as a tuple of names."""
+    names = field_parts(given, "a sequence of names", ("sets",))
+    for name in names:
+        field_text(name, ("sets",))
+    return names  # type: ignore[return-value] # all text
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -182,9 +143,9 @@ class Plan:
     sets : tuple of tuple of str
         Which vehicles were planned together.
     seconds : mapping
-        Seconds per stage and ``total``.
+        Seconds per stage and ``total``. A copy that does not change.
     versions : mapping
-        Package versions used.
+        Package versions used; likewise.
     explanation : str or None
         Why there is no plan, or what it took to find this one.
     trajectories : tuple of Trajectory
@@ -215,6 +176,30 @@ class Plan:
     couplings: tuple[Coupling, ...] = ()
     stopped_by: str | None = None
     certified_lower_bound: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse parts of another kind, whatever they say; sequences become tuples."""
+        for name, kind in (("scenario", Scenario), ("status", Status), ("risk", Risk)):
+            part = getattr(self, name)
+            if not isinstance(part, kind):
+                raise ScenarioError(f"must be {one(kind)}, got {value_text(part)}", (name,))
+        field_text(self.planner, ("planner",))
+        for name in ("explanation", "stopped_by"):
+            if getattr(self, name) is not None:
+                field_text(getattr(self, name), (name,))
+        if self.seed is not None and type(self.seed) is not int:
+            object.__setattr__(self, "seed", field_integer(self.seed, ("seed",)))
+        put_numbers(self, ("cost", "lower_bound", "certified_lower_bound"))
+        put_parts(self, "trajectories", Trajectory)
+        put_parts(self, "couplings", Coupling)
+        groups = field_parts(self.sets, "sequences of names", ("sets",))
+        object.__setattr__(self, "sets", tuple(_names(group) for group in groups))
+        for name in ("seconds", "versions"):
+            given = getattr(self, name)
+            if not isinstance(given, Mapping):
+                raise ScenarioError(f"must be a mapping, got {value_text(given)}", (name,))
+            if type(given) is not FrozenDict:
+                object.__setattr__(self, name, FrozenDict(given))
 
     @property
     def certified_gap(self) -> float | None:
@@ -258,7 +243,8 @@ class Plan:
         for trajectory in self.trajectories:
             if trajectory.name == name:
                 return trajectory
-        raise KeyError(name)
+        known = ", ".join(repr(t.name) for t in self.trajectories) or "none"
+        raise KeyError(f"no vehicle {name!r}; the plan has {known}")
 
     def __repr__(self) -> str:
         """Return the plan in one line."""

@@ -22,7 +22,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.model.workspace import Workspace
 from radmpc.notebook import html_table, listed
-from radmpc.records import dataclass, replace
+from radmpc.records import FrozenDict, dataclass, replace
 from radmpc.wording import count_text
 
 if TYPE_CHECKING:
@@ -60,7 +60,8 @@ class Scenario:
     workspace : Workspace or None
         None is unbounded.
     source : mapping or None
-        Where an imported scenario came from and what was chosen for it; not used in planning.
+        Where an imported scenario came from and what was chosen for it; not used in planning. A
+        copy that does not change.
     covariance_samples : int or None
         Independent steps ν, >= 3, that all covariances were estimated from: the true ones are
         those stated times one common factor, ``ν / χ²_ν``. None is that they are known.
@@ -192,8 +193,8 @@ class Scenario:
                 raise ScenarioError(
                     f"must be a mapping or None, got {value_text(self.source)}", ("source",)
                 )
-            # A plain dict, not a proxy, would be shared and mutable; a proxy does not pickle.
-            put(self, "source", dict(self.source))
+            if type(self.source) is not FrozenDict:
+                put(self, "source", FrozenDict(self.source))
 
     def _check_numbers(self) -> None:
         """Check the scalars."""

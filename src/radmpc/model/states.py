@@ -8,6 +8,7 @@ import numpy.typing as npt
 from radmpc.arrays import Vector, as_vector, frozen
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import LinearSystem
+from radmpc.ranges import sized
 
 __all__ = ["as_state"]
 
@@ -25,9 +26,9 @@ def as_state(value: npt.ArrayLike, system: LinearSystem) -> Vector:
     Raises
     ------
     ScenarioError
-        If it is neither.
+        If it is neither, or too large.
     """
-    given = as_vector(value, path=("start",))
+    given = sized(as_vector(value, path=("start",)), ("start",))
     d, n = system.dimension, system.num_states
     if given.size == n:
         return given

@@ -9,15 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arguments import check_integer, field_number, field_text, value_text
-from radmpc.arrays import (
-    Frozen,
-    Matrix,
-    Tensor,
-    Vector,
-    as_covariance,
-    as_matrix,
-    as_vector,
-)
+from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_covariance, as_matrix, as_vector
 from radmpc.errors import ScenarioError, all_checked
 from radmpc.model.dynamics import LinearSystem, covariances
 from radmpc.model.goal import Goal
@@ -29,6 +21,7 @@ from radmpc.model.numbers import (
     consistent_limits,
 )
 from radmpc.model.states import as_state
+from radmpc.ranges import sized
 from radmpc.records import dataclass
 
 if TYPE_CHECKING:
@@ -150,9 +143,11 @@ class Vehicle(Frozen):
         for name in ("initial_covariance", "disturbance_covariance"):
             put(self, name, as_covariance(getattr(self, name), n, (name,)))
         if self.gain is not None:
-            put(self, "gain", as_matrix(self.gain, (m, n), ("feedback", "gain")))
+            path = ("feedback", "gain")
+            put(self, "gain", sized(as_matrix(self.gain, (m, n), path), path))
         if self.drift is not None:
-            put(self, "drift", as_vector(self.drift, n, ("drift", "state")))
+            path = ("drift", "state")
+            put(self, "drift", sized(as_vector(self.drift, n, path), path))
         for name, size in (("control", m), ("speed", d)):
             norm, axes = getattr(self, f"{name}_norm"), getattr(self, f"{name}_limit")
             norm, axes = consistent_limits(norm, axes, size, f"{name}_limit")
@@ -185,6 +180,10 @@ class Vehicle(Frozen):
             from radmpc.model.noise.measurement import Measurement  # noqa: PLC0415 - few measure
 
             kinds["measurement"] = Measurement
+        if self.belief is not None:
+            from radmpc.model.noise.belief import Belief  # noqa: PLC0415 - of vehicles under way
+
+            kinds["belief"] = Belief
         put = object.__setattr__
         for name, kind in kinds.items():
             part = getattr(self, name)

@@ -14,6 +14,7 @@ from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.numbers import step_window
 from radmpc.model.workspace import Workspace
+from radmpc.ranges import sized
 from radmpc.records import dataclass
 
 __all__ = ["Visit", "check_visits", "checked_visits", "steps_of_visits", "steps_visited"]
@@ -52,8 +53,8 @@ class Visit(Frozen):
     def __post_init__(self) -> None:
         """Freeze the arrays, and check corners, window and speed."""
         put = object.__setattr__
-        lower = as_vector(self.lower, path=("min",))
-        upper = as_vector(self.upper, lower.size, ("max",))
+        lower = sized(as_vector(self.lower, path=("min",)), ("min",))
+        upper = sized(as_vector(self.upper, lower.size, ("max",)), ("max",))
         put(self, "lower", lower)
         put(self, "upper", upper)
         if not np.all(lower <= upper):
@@ -63,7 +64,7 @@ class Visit(Frozen):
         if self.between is not None:
             put(self, "between", step_window(self.between, "between"))
         if self.speed is not None:
-            speed = as_axes(self.speed, lower.size, ("speed",))
+            speed = sized(as_axes(self.speed, lower.size, ("speed",)), ("speed",))
             put(self, "speed", speed)
             if np.any(speed < 0.0):
                 raise ScenarioError(f"must be >= 0 m/s, got {speed.tolist()}", ("speed",))
@@ -261,8 +262,8 @@ def _check_visit(
         )
     if window[0] > window[1]:
         raise ScenarioError(
-            "leaves no step: each visit takes place at a later step than the one before, within "
-            f"its window and before the last of {horizon} steps"
+            "leaves no step: visits must take place in order, one step apart, each within its "
+            f"window (steps 1 to {horizon - 1} where none is given, up to {horizon} where one is)"
         )
     if workspace is None:
         return

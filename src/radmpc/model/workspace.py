@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Frozen, Vector, as_vector
 from radmpc.errors import ScenarioError
+from radmpc.ranges import sized
 from radmpc.records import dataclass
 
 __all__ = ["Workspace"]
@@ -33,9 +34,10 @@ class Workspace(Frozen):
 
     def __post_init__(self) -> None:
         """Freeze the corners and check their order."""
-        lower = as_vector(self.lower, path=("min",))
+        lower = sized(as_vector(self.lower, path=("min",)), ("min",))
         object.__setattr__(self, "lower", lower)
-        object.__setattr__(self, "upper", as_vector(self.upper, lower.size, ("max",)))
+        upper = sized(as_vector(self.upper, lower.size, ("max",)), ("max",))
+        object.__setattr__(self, "upper", upper)
         if not np.all(self.lower < self.upper):
             raise ScenarioError(
                 f"min must be below max on every axis, got {self.lower.tolist()} "

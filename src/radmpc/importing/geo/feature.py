@@ -11,8 +11,8 @@ import shapely
 from radmpc.arrays import Matrix, as_matrix
 from radmpc.errors import ScenarioError
 from radmpc.importing.geo.properties import SETTINGS
-from radmpc.io.ranges import check_range
 from radmpc.io.text.files import shown
+from radmpc.ranges import check_range
 from radmpc.records import dataclass
 
 __all__ = ["Feature", "Path", "drawn_line", "drawn_ring", "read_position"]

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 from radmpc.errors import ScenarioError
 from radmpc.importing.geo.feature import Feature, Path
-from radmpc.io.ranges import check_range
 from radmpc.io.text.files import shown
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.relations.concerns import all_but, only_for
 from radmpc.model.relations.keep import Keep
+from radmpc.ranges import check_range
 
 __all__ = ["check_places", "concerning", "keep_of", "renamed_relations"]
 

@@ -10,8 +10,8 @@ from radmpc.errors import ScenarioError
 from radmpc.importing.geo.feature import Feature
 from radmpc.importing.geo.local_plane import Placed
 from radmpc.importing.problem import ForeignVisit, Window
-from radmpc.io.ranges import check_range
 from radmpc.io.text.files import shown
+from radmpc.ranges import check_range
 
 __all__ = ["describe_visits", "visits_of", "window_of"]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 from radmpc.arrays import as_vector
 from radmpc.errors import ScenarioError, raise_together
 from radmpc.io.native.checking import check_format, validated
-from radmpc.io.native.dimensions import odd_goal, usual_axes
+from radmpc.io.native.dimensions import blaming_goal, odd_goal, usual_axes
 from radmpc.io.native.moving import build_tracked
 from radmpc.io.native.plain import plain_mapping
 from radmpc.io.native.schema import (
@@ -20,12 +20,13 @@ from radmpc.io.native.schema import (
     VehicleSpec,
 )
 from radmpc.io.native.vehicle_decoding import Shared, build_goal, build_vehicle
-from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_range
+from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES
 from radmpc.io.text.files import shown
 from radmpc.model.numbers import check_not_negative, check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.ranges import check_range
 
 if TYPE_CHECKING:
     from radmpc.model.relations.keep import Keep
@@ -70,7 +71,7 @@ def decode_scenario(data: object) -> Scenario:
         return _build(spec)
     except ScenarioError as error:
         alone = ScenarioError(error.message, error.path)
-        raise_together(_at_origin(one, spec) for one in (alone, *error.more))
+        raise_together(_at_origin(blaming_goal(one, spec), spec) for one in (alone, *error.more))
         raise
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from radmpc.errors import ScenarioError
 from radmpc.io.native.schema import GoalSpec, ScenarioSpec, VehicleSpec
 
-__all__ = ["odd_goal", "usual_axes"]
+__all__ = ["blaming_goal", "odd_goal", "usual_axes"]
 
 _AXES = {2: 2, 3: 3, 4: 2, 6: 3}
 """Axes of a position or of a double integrator's state, by how many numbers it has [-]."""
@@ -47,6 +47,34 @@ def odd_goal(goal: GoalSpec | None, usual: int | None) -> ScenarioError | None:
         return None
     text = f"must be {usual}-D like most places of the scenario, got {count}-D"
     return ScenarioError(text, ("goal",))
+
+
+def blaming_goal(error: ScenarioError, spec: ScenarioSpec) -> ScenarioError:
+    """Return the error of a vehicle whose dynamics have other axes, at its goal if that says so.
+
+    Of a named model the goal says how many axes there are; of matrices they do themselves.
+
+    Parameters
+    ----------
+    error : ScenarioError
+        Of the scenario.
+    spec : ScenarioSpec
+        What the file gives.
+
+    Returns
+    -------
+    ScenarioError
+        The same, or one of another path.
+    """
+    path = error.path
+    if path[2:] != ("dynamics",) or not isinstance(path[1], int):
+        return error
+    vehicle = spec.vehicles[path[1]]
+    is_own = "dynamics" in vehicle.model_fields_set
+    is_named = (vehicle if is_own else spec.defaults).dynamics.model is not None
+    if not (is_named and error.message.endswith("-D")):
+        return error
+    return ScenarioError(error.message, (*path[:2], "goal"))
 
 
 def _axes(spec: ScenarioSpec) -> Iterator[int | None]:

@@ -7,6 +7,8 @@ from typing import Annotated, Any, cast
 from pydantic import AfterValidator, Discriminator, Field, GetCoreSchemaHandler, Tag
 from pydantic_core import CoreSchema, PydanticCustomError
 
+from radmpc.ranges import LARGEST
+
 __all__ = [
     "MARK",
     "Finite",
@@ -21,9 +23,6 @@ __all__ = [
 
 MARK = "\0"
 """First character of what pydantic adds to a path for a choice between shapes."""
-
-_LARGEST = 1e9
-"""Largest magnitude of a number in a file: beyond, squares and solvers lose all digits."""
 
 
 def _check_rows(rows: list[list[float]]) -> list[list[float]]:
@@ -80,9 +79,7 @@ class _Once:
 
 Text = Annotated[str, AfterValidator(_check_text), _Once()]
 Finite = Annotated[float, Field(strict=True, allow_inf_nan=False), _Once()]
-Number = Annotated[
-    float, Field(strict=True, allow_inf_nan=False, ge=-_LARGEST, le=_LARGEST), _Once()
-]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST), _Once()]
 Vector = Annotated[list[Number], _Once()]
 Matrix = Annotated[list[list[Number]], AfterValidator(_check_rows), _Once()]
 FiniteMatrix = Annotated[list[list[Finite]], AfterValidator(_check_rows), _Once()]

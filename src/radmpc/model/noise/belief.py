@@ -18,6 +18,9 @@ from radmpc.records import dataclass
 
 __all__ = ["Belief"]
 
+_MOST = 1e40
+"""Largest covariance: what was allowed at the beginning, after all growth that is."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Belief(Frozen):
@@ -57,7 +60,7 @@ class Belief(Frozen):
         """Freeze the arrays."""
         mean = as_vector(self.disturbance, path=("belief", "disturbance"))
         object.__setattr__(self, "disturbance", mean)
-        covariance = as_covariance(self.covariance, 2 * mean.size, ("belief", "covariance"))
+        covariance = as_covariance(self.covariance, 2 * mean.size, ("belief", "covariance"), _MOST)
         object.__setattr__(self, "covariance", covariance)
         if self.lasting is not None:
             lasting = as_vector(self.lasting, path=("belief", "lasting"))

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from radmpc.arguments import field_integer, field_parts
 from radmpc.arrays import Frozen, Matrix, as_covariance, as_matrix
 from radmpc.errors import ScenarioError
+from radmpc.ranges import sized
 from radmpc.records import dataclass
 
 __all__ = ["Measurement"]
@@ -41,7 +42,7 @@ class Measurement(Frozen):
 
     def __post_init__(self) -> None:
         """Freeze the matrices."""
-        matrix = as_matrix(self.matrix, path=("matrix",))
+        matrix = sized(as_matrix(self.matrix, path=("matrix",)), ("matrix",))
         if not len(matrix):
             raise ScenarioError("must have at least one row, got none", ("matrix",))
         object.__setattr__(self, "matrix", matrix)

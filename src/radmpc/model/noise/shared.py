@@ -12,6 +12,7 @@ from radmpc.arguments import field_number, field_parts, field_text, value_text
 from radmpc.arrays import Frozen, Matrix, as_covariance, as_matrix
 from radmpc.errors import ScenarioError
 from radmpc.model.numbers import check_correlation
+from radmpc.ranges import sized
 from radmpc.records import dataclass
 
 __all__ = ["SharedDisturbance", "as_shared", "check_sources", "lasting_parts"]
@@ -55,7 +56,7 @@ class SharedDisturbance(Frozen):
     def __post_init__(self) -> None:
         """Freeze the matrices."""
         field_text(self.name, ("name",))
-        matrix = as_matrix(self.matrix, path=("matrix",))
+        matrix = sized(as_matrix(self.matrix, path=("matrix",)), ("matrix",))
         if not matrix.size:
             raise ScenarioError("must have at least one row and column, got none", ("matrix",))
         object.__setattr__(self, "matrix", matrix)

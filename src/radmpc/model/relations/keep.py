@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from radmpc.arguments import field_number, field_parts, field_text, value_text
 from radmpc.errors import ScenarioError
+from radmpc.ranges import check_size
 from radmpc.records import dataclass
 
 __all__ = ["Keep", "check_keep", "checked_keep", "keep_pairs"]
@@ -44,6 +45,7 @@ class Keep:
         within = field_number(self.within, ("within",))
         if not 0.0 < within < float("inf"):
             raise ScenarioError(f"must be > 0 m, got {within:g}", ("within",))
+        check_size(within, ("within",))
         object.__setattr__(self, "within", within)
 
 

@@ -98,7 +98,8 @@ def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
             f"the scenario's is {plan.scenario.risk_bound:.9g}"
         )
     cost = cost_of(plan)
-    if plan.cost is None or abs(plan.cost - cost) > _TOL * max(1.0, cost):
+    # Negated, so that nan is no cost either.
+    if plan.cost is None or not abs(plan.cost - cost) <= _TOL * max(1.0, cost):
         stated_cost = "no cost" if plan.cost is None else f"a cost of {plan.cost:.9g}"
         problems.append(f"plan: states {stated_cost}, its controls cost {cost:.9g}")
     return problems

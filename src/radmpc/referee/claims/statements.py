@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import inf
+from math import inf, isnan
 
+from radmpc.arguments import is_integer, is_number
 from radmpc.model.plan import Coupling, Plan, Reason, Status
 
 __all__ = ["ledger_problems", "statement_problems"]
@@ -30,10 +31,16 @@ def statement_problems(plan: Plan) -> list[str]:
         ("lower bound", plan.lower_bound),
         ("lower bound of any certified plan", plan.certified_lower_bound),
     ):
+        if bound is not None and isnan(bound):
+            problems.append(f"plan: {name} is nan, must be a number")
+            continue
         if plan.cost is None or bound is None:
             continue
         if bound - plan.cost > 1e-9 * max(abs(plan.cost), 1.0):
             problems.append(f"plan: {name} {bound:.9g} is above the cost {plan.cost:.9g}")
+    price = plan.risk.price
+    if price is not None and not price >= 0.0:
+        problems.append(f"plan: states a shadow price of risk of {price:.9g}, must be >= 0")
     names = sorted(v.name for v in plan.scenario.vehicles)
     if sorted(name for group in plan.sets for name in group) != names:
         problems.append("plan: its sets do not hold every vehicle once")
@@ -67,9 +74,11 @@ def ledger_problems(plan: Plan) -> list[str]:
             problems.append(f"{about} vehicle {row.vehicle!r}, who is not in the scenario")
         # Without a partner a row is the sum over all that is far away.
         is_itself = row.cause in {"pair", "range"} and row.other == row.vehicle
-        if row.other is not None and (is_itself or row.other not in partners[row.cause]):
+        if row.cause not in partners:
+            problems.append(f"{about} no cause there is, allowed are {', '.join(partners)}")
+        elif row.other is not None and (is_itself or row.other not in partners[row.cause]):
             problems.append(f"{about} other {row.other!r}, which is none of the scenario's")
-        if not 0 <= row.step <= plan.scenario.horizon:
+        if not (is_integer(row.step) and 0 <= row.step <= plan.scenario.horizon):
             problems.append(f"{about} step {row.step}, the last is {plan.scenario.horizon}")
     return list(dict.fromkeys(problems))
 
@@ -96,14 +105,14 @@ def _value_problems(coupling: Coupling) -> list[str]:
     value, most = coupling.value, _MOST.get(coupling.reason)
     if most is None:
         allowed = "" if value is None else "none"
-    elif value is not None and 0.0 <= value <= most:
+    elif is_number(value) and 0.0 <= value <= most:
         allowed = ""
     else:
         allowed = f"a number from 0 to {most:g}" if most < inf else "a number of at least 0"
     if not allowed:
         return []
     pair = f"{coupling.vehicle!r} and {coupling.other!r}"
-    given = "none" if value is None else f"{value:.9g}"
+    given = "none" if value is None else f"{value:.9g}" if is_number(value) else repr(value)
     return [
         f"plan: the coupling of {pair} of reason {coupling.reason!r} has a value of {given}, "
         f"allowed is {allowed}"

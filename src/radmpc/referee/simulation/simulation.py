@@ -146,7 +146,8 @@ def simulate(
     samples : int
         Samples, >= 1.
     rng : Generator, int or None
-        Source of randomness or a seed. Equal seeds give equal results on any number of cores.
+        Source of randomness or a seed; None draws fresh entropy, where `radmpc.plan` takes seed 0.
+        Equal seeds give equal results on any number of cores.
     progress : callable, optional
         Called with samples done and samples in all.
     avoidance : {'intervals', 'steps'} or None

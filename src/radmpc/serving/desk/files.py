@@ -20,7 +20,7 @@ from radmpc.serving.desk.opening import Opened, is_chart, read_file
 from radmpc.serving.desk.things import Changed
 from radmpc.serving.documents import templates as kinds
 from radmpc.serving.documents.document import Document
-from radmpc.serving.documents.text import Origin, text_of
+from radmpc.serving.documents.text import Original, text_of
 from radmpc.serving.failures import refused
 from radmpc.serving.folder import CHARTS, FLIGHTS, SCENARIOS
 from radmpc.serving.protocol import Named
@@ -84,7 +84,7 @@ async def begun(desk: Desk, args: Args) -> object:
         value, _ = read_yaml(text, kind)
         if not isinstance(value, dict):
             raise refused("a template must be a mapping")
-        opened = Opened(value, Origin(text))
+        opened = Opened(value, Original(text))
     return desk.state(await desk.add(opened, None))
 
 
@@ -171,7 +171,7 @@ async def saved(desk: Desk, args: Args) -> object:
         document.saved_as(desk.folder.name_of(place), content)
         document.digest = desk.folder.digest(place)
         if suffix != ".json":
-            document.origin = Origin(text)
+            document.origin = Original(text)
     return Changed(desk.state(document))
 
 

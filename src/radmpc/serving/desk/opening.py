@@ -13,7 +13,7 @@ from radmpc.io.ranges import PLAN_FORMAT, SCENARIO_FORMAT
 from radmpc.io.text.document import read_document
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass, field
-from radmpc.serving.documents.text import Origin
+from radmpc.serving.documents.text import Original
 from radmpc.serving.failures import CallError, refused
 from radmpc.serving.folder import CHARTS, FLIGHTS
 from radmpc.serving.protocol import Content, TickView
@@ -32,7 +32,7 @@ class Opened:
     ----------
     content : mapping
         The document.
-    origin : Origin or None
+    origin : Original or None
         Its text, where it is to be kept.
     is_scenario : bool
         Whether it may be saved there again.
@@ -45,7 +45,7 @@ class Opened:
     """
 
     content: Content
-    origin: Origin | None = None
+    origin: Original | None = None
     is_scenario: bool = False
     plan: Plan | None = None
     ticks: list[TickView] | None = field(default=None)
@@ -107,7 +107,7 @@ def _document(path: Path) -> Opened:
     if kind != SCENARIO_FORMAT:
         raise CallError("refused", f"format must be {SCENARIO_FORMAT} or {PLAN_FORMAT}", ["format"])
     is_yaml = path.suffix.lower() != ".json"
-    return Opened(value, Origin(document.text) if is_yaml else None, is_scenario=True)
+    return Opened(value, Original(document.text) if is_yaml else None, is_scenario=True)
 
 
 def _flight(path: Path) -> Opened:

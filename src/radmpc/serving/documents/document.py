@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 
 from radmpc.serving.documents.content import changed, check_size
 from radmpc.serving.documents.reading import Reading, read_content
-from radmpc.serving.documents.text import Origin
+from radmpc.serving.documents.text import Original
 from radmpc.serving.failures import refused, stale
 from radmpc.serving.protocol import Change, Content, Remark, ScenarioView
 
@@ -29,12 +29,12 @@ class Document:
         As its file has it.
     file : str or None
         Path in the folder; None was never saved.
-    origin : Origin or None
+    origin : Original or None
         The text that it was read from.
     """
 
     def __init__(
-        self, number: str, content: Content, file: str | None = None, origin: Origin | None = None
+        self, number: str, content: Content, file: str | None = None, origin: Original | None = None
     ) -> None:
         self.number, self.content, self.file, self.origin = number, content, file, origin
         self.lock = asyncio.Lock()

@@ -12,14 +12,14 @@ from radmpc.io.text.yaml_writing import write_yaml
 from radmpc.records import dataclass
 from radmpc.serving.protocol import Content
 
-__all__ = ["Origin", "text_of"]
+__all__ = ["Original", "text_of"]
 
 _WIDE = 1_000_000
 """Letters after which lines are broken: never, what was one line stays one."""
 
 
 @dataclass(frozen=True, slots=True)
-class Origin:
+class Original:
     """The text that a document was read from.
 
     Attributes
@@ -31,7 +31,7 @@ class Origin:
     text: str
 
 
-def text_of(content: Content, suffix: str, origin: Origin | None) -> str:
+def text_of(content: Content, suffix: str, origin: Original | None) -> str:
     """Return a document as the text of a file.
 
     Parameters
@@ -40,7 +40,7 @@ def text_of(content: Content, suffix: str, origin: Origin | None) -> str:
         The document.
     suffix : str
         ``.json``, ``.yaml`` or ``.yml``.
-    origin : Origin or None
+    origin : Original or None
         What it was read from: comments, order and spelling of what has not changed are kept.
 
     Returns
