@@ -32,6 +32,12 @@ def test_too_little_risk_makes_it_cheaper_and_at_most_to_a_fifth(risk):
     assert 0.4 <= next_price([(2.0, risk * BUDGET)], BUDGET) < 2.0
 
 
+@pytest.mark.parametrize("risk", [0.5, 3.0])
+def test_a_price_after_risk_was_free_moves_as_after_none(risk):
+    tried = (1.0, risk * BUDGET)
+    assert next_price([(0.0, 2.0 * BUDGET), tried], BUDGET) == next_price([tried], BUDGET)
+
+
 def test_between_prices_on_both_sides_of_the_budget_lies_the_next():
     tried = [(1.0, 4.0 * BUDGET), (8.0, 0.2 * BUDGET)]
     found = next_price(tried, BUDGET)

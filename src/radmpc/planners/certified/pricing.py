@@ -83,6 +83,8 @@ def next_price(tried: Sequence[tuple[float, float]], budget: float) -> float:
     float
         A price in the scale of those tried; the last one where it is right.
     """
+    # Of a price of nothing there is no multiple.
+    tried = [one for one in tried if one[0] > 0.0] or tried
     unit_price, risk = tried[-1]
     most = _TUNED.dearest_step * tried[0][0]
     if 0.0 <= 1.0 - risk / budget <= _TUNED.unused:

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 __all__ = ["first_plan"]
 
+_COASTING = 1e-3
+"""Share of full effort that plans are taken to cost at least [-]: at a price of 0 risk is free."""
+
 
 def first_plan(
     task: Task,
@@ -89,7 +92,7 @@ def first_plan(
         return apart
     from radmpc.planners.certified.turned import attempt, attempts  # noqa: PLC0415 - few need any
 
-    price *= _dear(is_maze=is_maze) * paths.cost() / task.risk_bound
+    price *= _dear(is_maze=is_maze) * _worth(hazards, paths) / task.risk_bound
     is_compared = not is_needed and _is_among_many(hazards, largest)
     sought = clearance, price if is_compared else None
     routes = _routes(task, alone, stopped, *sought, is_quick=is_needed)
@@ -138,6 +141,12 @@ def _clearance(task: Task, *, is_maze: bool) -> float:
 def _dear(*, is_maze: bool) -> float:
     """Return how much dearer risk begins: a falling price stays near what is certified."""
     return TUNING.first_dear_in_mazes if is_maze else TUNING.first_dear
+
+
+def _worth(hazards: Hazards, paths: Paths) -> float:
+    """Return about what a plan costs: who coasts or stays pays nothing until something comes."""
+    most = sum(m.vehicle.cost_weight * float(m.control_bounds.sum()) for m in hazards.models)
+    return max(paths.cost(), _COASTING * most)
 
 
 def _seconds(task: Task, *, is_aside: bool, is_maze: bool) -> float:

@@ -170,7 +170,9 @@ class _Comparison:
         """Return the cost of a vehicle's best route over what it takes without obstacles [-]."""
         misses, cost = self.costs[vehicle]
         least = float(np.abs(self.alone.paths.controls[vehicle]).sum())
-        return np.inf if misses else cost / least
+        if misses or cost > least == 0.0:
+            return np.inf
+        return cost / least if cost > 0.0 else 1.0
 
     def _offer(self, vehicle: int, route: Route) -> float:
         """Keep a route if it is the cheapest of a vehicle; return what is missed there [m]."""
