@@ -29,6 +29,12 @@ __all__ = ["tried"]
 _SIDES = 2
 """Beginnings that are turned where nothing stands in the way [-]."""
 
+_WAITING = 4
+"""Vehicles up to which it is tried who waits for whom [-]: each is first once."""
+
+_DEAR = 2.0
+"""Multiple of what vehicles take alone above which it is [-]."""
+
 _RISKING = 5
 """Vehicles from which on paths with less clearance are taken to risk too much, where a proof
 follows [-]: of 15 draws each of `paper(2)` to `(4)` four to six are certified, two of `paper(6)`,
@@ -173,8 +179,7 @@ def _begun(begin: Begin, successive: SuccessiveLp) -> Turning:
 
 def _sides(begin: Begin, limits: Limits) -> Iterator[Turning]:
     """Begin with paths alone, then with all keeping right if that is cheaper to keep apart."""
-    straight = begin.referring({})
-    yield straight
+    yield _straight_or_waiting(begin, limits)
     if begin.task.hazards.count > TUNING.few:
         return
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
@@ -183,6 +188,27 @@ def _sides(begin: Begin, limits: Limits) -> Iterator[Turning]:
         for offset in TUNING.arches
     ]
     yield _cheapest_apart(begin, tried, begin.clearance, TUNING.max_sweeps, limits)
+
+
+def _straight_or_waiting(begin: Begin, limits: Limits) -> Turning:
+    """Begin on straight lines, or where one waits for the other if that is much cheaper."""
+    hazards, straight = begin.task.hazards, begin.referring({})
+    if hazards.count > _WAITING or not 0 < hazards.shapes.count < TUNING.many_obstacles:
+        return straight
+    successive, alone = straight.successive, begin.alone.paths
+    is_apart = successive.keep_apart(begin.clearance, TUNING.max_sweeps, limits, is_shared=True)
+    if is_apart and successive.paths.cost() <= _DEAR * alone.cost():
+        return straight
+    from radmpc.planners.certified.turned.narrow.in_turn import paths_in_turn  # noqa: PLC0415 - few need it
+
+    waiting = [
+        begin.referring(places) for places in paths_in_turn(begin.task, alone.means, begin.price)
+    ]
+    if not waiting:
+        # As far as it came, or from its beginning if that led nowhere.
+        return straight if is_apart else begin.referring({})
+    tried = [straight, *waiting]
+    return _cheapest_apart(begin, tried, begin.clearance, TUNING.max_sweeps, limits)
 
 
 def _cheaper_begun(begin: Begin, places: Mapping[int, Matrix], limits: Limits) -> Turning:
