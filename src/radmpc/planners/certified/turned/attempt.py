@@ -78,6 +78,7 @@ class Begin:
             is_patient=self.is_hard,
             enough=TUNING.enough * self.task.risk_bound if is_brief else float("inf"),
             programs=self.alone.programs,
+            is_routed=bool(self.routes) and not is_brief,
         )
         successive = turning.successive
         successive.begin(self.alone.paths.controls)

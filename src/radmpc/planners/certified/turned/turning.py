@@ -70,6 +70,8 @@ class Turning:
     is_outside : bool
         Whether it begins with paths beyond the limits of programs: plans are only those that keep
         them.
+    is_routed : bool
+        Whether it begins with routes around obstacles: there a first plan leaves much of Δ.
     latest : float
         Certificate of the latest paths, or about that [-].
     """
@@ -88,6 +90,7 @@ class Turning:
     programs: WarmPrograms | None = None
     is_above: bool = False
     is_outside: bool = False
+    is_routed: bool = False
     latest: float = 0.0
 
     def __post_init__(self) -> None:
@@ -122,7 +125,7 @@ class Turning:
             The best certified plan so far.
         """
         task, paths = self.task, self.successive.paths
-        is_large, has_obstacles = task.hazards.count > TUNING.few, task.hazards.shapes.count > 0
+        is_large = task.hazards.count > TUNING.few
         is_urgent = is_large and not self.incumbent.controls
         flags = is_urgent, self.enough < float("inf"), is_large
         control = PriceControl(self.price, task.risk_bound, task.gap, rival, *flags)
@@ -141,7 +144,7 @@ class Turning:
             if useful.reached or is_enough or control.is_over or self._has_spent(number, some):
                 break
             self.price = control.price
-            is_first = has_obstacles and not self.incumbent.controls
+            is_first = self.is_routed and not self.incumbent.controls
             before = (paths.state(), certified) if is_first else None
             self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
             certified, cost = self._take(before), paths.cost()
