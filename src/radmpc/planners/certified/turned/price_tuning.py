@@ -87,9 +87,10 @@ class PriceControlTuning:
     between : float
         Share of Δ that such a plan is to risk by what is linear between both [-].
     unspent, nearly : float
-        Share of Δ below which a first plan on routes around obstacles is moved toward the paths before it,
-        and what it is to risk then if the logarithm of the risk is linear in between [-]: 25 of 39
-        first plans become cheaper, by 1.8 % in the mean and 29 % at most, for a certificate each.
+        Share of Δ below which a first plan on routes around obstacles is moved toward the paths
+        before it, and what it is to risk then if the logarithm of the risk is linear in between
+        [-]: 25 of 39 first plans become cheaper, by 1.8 % in the mean and 29 % at most, for a
+        certificate each.
         Where nothing stops vehicles, that takes 1.04 of the time of `paper(8)` and 1.1 of that
         of `paper(2)`, to the same plans.
     """
