@@ -19,7 +19,7 @@ from radmpc.preflight.cures import (
 from radmpc.preflight.endpoint_concerns import describe_endpoints
 from radmpc.preflight.feedback import is_unstable, stable_cures, unstable_text
 from radmpc.preflight.narrow_concerns import describe_narrow, narrow_cures
-from radmpc.preflight.noise import NoiseKind, noise_warnings, quiet_axes
+from radmpc.preflight.noise import NoiseKind, idle_measurement, noise_warnings, quiet_axes
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
 from radmpc.preflight.time_concerns import describe_time, describe_unable
 from radmpc.records import dataclass, replace
@@ -176,9 +176,9 @@ def _with_any_feedback(
             seen.saturation,
             cures=partial(saturation_cures, scenario, vehicle, most),
         )
-    quiet = quiet_axes(vehicle, scenario.horizon)
-    if quiet is not None:
-        yield _Found("noise", seen.name, quiet, 1.0)
+    for text in (quiet_axes(vehicle, scenario.horizon), idle_measurement(vehicle)):
+        if text is not None:
+            yield _Found("noise", seen.name, text, 1.0)
     ratio = seen.end_deviation / vehicle.radius
     if ratio > _SCATTERED:
         most = _SCATTERED * vehicle.radius
