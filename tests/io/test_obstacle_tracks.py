@@ -112,6 +112,14 @@ def test_what_is_written_reads_back_equal(moving, tmp_path: Path):
         ({"outline": DECK, "start": [0] * 4, "velocity": [0, 0]}, "got start and velocity"),
         ({"outline": DECK, "position": [0, 0]}, "got position"),
         ({"outline": DECK, "start": [0, 0, 0]}, "moving.start: must have 4 numbers"),
+        (
+            {"outline": DECK, "velocity": [1]},
+            "moving.velocity: must have 2 numbers like the corners of outline, got 1",
+        ),
+        (
+            {"outline": [[0, 0, 0]], **REPORT},
+            "moving.position: is in the plane, got an outline whose corners have 3 coordinates",
+        ),
         ({"outline": [], "start": [0] * 4}, "moving.outline: "),
         ({"start": [0] * 4}, "moving.outline: is required"),
         ({"outlines": DECK, "start": [0] * 4}, "unknown key, did you mean 'outline'?"),
