@@ -176,9 +176,9 @@ def _with_any_feedback(
             seen.saturation,
             cures=partial(saturation_cures, scenario, vehicle, most),
         )
-    for text in (quiet_axes(vehicle, scenario.horizon), idle_measurement(vehicle)):
-        if text is not None:
-            yield _Found("noise", seen.name, text, 1.0)
+    for told in (quiet_axes(vehicle, scenario.horizon), idle_measurement(vehicle)):
+        if told is not None:
+            yield _Found("noise", seen.name, told, 1.0)
     ratio = seen.end_deviation / vehicle.radius
     if ratio > _SCATTERED:
         most = _SCATTERED * vehicle.radius

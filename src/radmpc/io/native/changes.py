@@ -56,7 +56,7 @@ class Places:
         """
         return any(path[: len(place)] == place for place in self.all)
 
-    def made(self, path: Path, content: object) -> bool:
+    def brought(self, path: Path, content: object) -> bool:
         """Whether a value holds one of those that were set, and the file has none there.
 
         Parameters
