@@ -271,7 +271,8 @@ def test_an_obstacle_with_speed_and_course_is_on_a_track(tmp_path: Path) -> None
         np.sort(track.at(0)[0].vertices, axis=0), np.sort(outline.at(0)[0].vertices, axis=0)
     )
     moved = track.at(1)[0].vertices.mean(axis=0) - track.at(0)[0].vertices.mean(axis=0)
-    assert moved == pytest.approx([-2.5 * scenario.dt, 0.0], abs=1e-9)
+    mean = 2.5 * np.exp(-0.5 * np.radians(2.0) ** 2)
+    assert moved == pytest.approx([-mean * scenario.dt, 0.0], abs=1e-9)
     assert np.sqrt(np.diag(track.spread.positions[0])) == pytest.approx([3.0, 3.0])
 
 

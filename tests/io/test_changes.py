@@ -162,6 +162,15 @@ def test_the_content_that_is_changed_stays_as_it_is() -> None:
         ({"vehicles[2].radius": 1}, "must name one of 2 entries from 0, got 2"),
         ({"horizon.steps": 1}, "horizon.steps: 4 has no part 'steps'"),
         ({"risk_bond": 0.1}, "risk_bond"),
+        (
+            {"defaults.disturbance_covariance": 0.0, "defaults.disturbance.covariance": 0.01},
+            "defaults.disturbance: needs only one of: disturbance, disturbance_covariance; "
+            "got both (as set; the file is ",
+        ),
+        (
+            {"defaults.measurement.covariance": 0.01},
+            "defaults.measurement: needs exactly one of: of, matrix; got none of them (as set; ",
+        ),
         ({"vehicles..radius": 1}, "a key must be as in 'risk_bound' or 'vehicles.tug.radius'"),
         ({"dt": float("nan")}, "must be a finite number"),
     ],

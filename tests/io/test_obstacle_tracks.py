@@ -112,6 +112,14 @@ def test_what_is_written_reads_back_equal(moving, tmp_path: Path):
         ({"outline": DECK, "start": [0] * 4, "velocity": [0, 0]}, "got start and velocity"),
         ({"outline": DECK, "position": [0, 0]}, "got position"),
         ({"outline": DECK, "start": [0, 0, 0]}, "moving.start: must have 4 numbers"),
+        (
+            {"outline": DECK, "velocity": [1]},
+            "moving.velocity: must have 2 numbers like the corners of outline, got 1",
+        ),
+        (
+            {"outline": [[0, 0, 0]], **REPORT},
+            "moving.position: is in the plane, got an outline whose corners have 3 coordinates",
+        ),
         ({"outline": [], "start": [0] * 4}, "moving.outline: "),
         ({"start": [0] * 4}, "moving.outline: is required"),
         ({"outlines": DECK, "start": [0] * 4}, "unknown key, did you mean 'outline'?"),
@@ -174,6 +182,7 @@ def test_the_freighter_of_the_page_is_read():
     [freighter] = YAML(typ="safe").load(block)["obstacles"]
     found = read(freighter["moving"]).obstacles[0]
     assert found.spread is not None
-    # Course 265 degrees: west, a little south.
-    assert found.shape.start[2] == pytest.approx(-5.1 * np.cos(np.radians(5.0)))
-    assert found.shape.start[3] == pytest.approx(-5.1 * np.sin(np.radians(5.0)))
+    # Course 265 degrees: west, a little south; of a course uncertain by 1 degree a little slower.
+    mean = 5.1 * np.exp(-0.5 * np.radians(1.0) ** 2)
+    assert found.shape.start[2] == pytest.approx(-mean * np.cos(np.radians(5.0)))
+    assert found.shape.start[3] == pytest.approx(-mean * np.sin(np.radians(5.0)))

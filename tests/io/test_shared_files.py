@@ -83,6 +83,10 @@ def test_what_is_written_reads_back_equal(on, names):
         ({**WIND, "on": {"default": GUST[:3]}}, ("on", "default"), "must have 4 rows"),
         ({**WIND, "time_constant": 0.0, "on": {"default": GUST}}, ("time_constant",), "> 0 s"),
         ({**WIND, "correlation": 0.5, "on": {"default": GUST}}, (), "only one of"),
+        ({**WIND, "on": {}}, ("on",), "got nobody"),
+        ({**WIND, "on": {"a": None}}, ("on",), "must name a vehicle that it acts on"),
+        ({**WIND, "name": "", "on": {"default": GUST}}, ("name",), "must not be empty, got ''"),
+        ({**WIND, "name": " ", "on": {"default": GUST}}, ("name",), "must not be blank, got ' '"),
         ({**WIND, "covariance": [1.0, -1.0], "on": {"default": GUST}}, ("covariance",), "semi-def"),
     ],
 )

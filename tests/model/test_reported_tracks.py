@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
+import radmpc
 from radmpc import track_from_course
 from radmpc.errors import ScenarioError
 
@@ -28,31 +30,70 @@ def test_a_course_runs_clockwise_from_north(course, east, north):
     assert not covariance.any()
 
 
-@pytest.mark.parametrize("sigma", [1.5, 5.0, 10.0])
-def test_what_is_linear_is_near_what_is_true_by_what_the_docs_say(sigma):
-    """Drawn as they are reported: normal speeds and courses, turned into velocities."""
-    rng = np.random.default_rng(0)
-    speed, course, of_speed = 6.0, 55.0, 0.3
+def drawn(rng, speed, of_speed, sigma):
+    """Return velocities along and across the course as they are reported, (SAMPLES, 2) [m/s]."""
+    speeds = rng.normal(speed, of_speed, SAMPLES)
+    angles = np.radians(rng.normal(0.0, sigma, SAMPLES))
+    return speeds[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def reported(speed, of_speed, sigma, course=55.0):
+    """Return the mean [m/s] and the covariance [m²/s²] along and across the course."""
     start, covariance = track_from_course(
         [0.0, 0.0], speed, course, speed_deviation=of_speed, course_deviation=sigma
     )
-    speeds = rng.normal(speed, of_speed, SAMPLES)
-    angles = np.radians(rng.normal(course, sigma, SAMPLES))
-    true = speeds[:, None] * np.column_stack([np.sin(angles), np.cos(angles)])
     ahead = np.array([np.sin(np.radians(course)), np.cos(np.radians(course))])
-    across = np.array([ahead[1], -ahead[0]])
-    spread = np.radians(sigma)
-    # The mean: too long by the share that is stated.
-    shortened = float(true.mean(axis=0) @ ahead) / speed
-    assert 1.0 - shortened == pytest.approx(1.0 - np.exp(-(spread**2) / 2.0), abs=4e-4)
-    assert start[2:] == pytest.approx(speed * ahead)
-    # Across the deviation is that of the course, along it is the speed's and the bend of the arc.
-    linear = covariance[2:, 2:]
-    assert np.std(true @ across) == pytest.approx(np.sqrt(across @ linear @ across), rel=0.03)
-    bend = speed * spread**2 / np.sqrt(2.0)
-    along = np.sqrt(ahead @ linear @ ahead + bend**2)
-    assert np.std(true @ ahead) == pytest.approx(along, rel=0.02)
-    assert np.sqrt(ahead @ linear @ ahead) == pytest.approx(of_speed)
+    axes = np.array([ahead, [ahead[1], -ahead[0]]])
+    return axes @ start[2:], axes @ covariance[2:, 2:] @ axes.T
+
+
+@pytest.mark.parametrize("sigma", [1.5, 5.0, 10.0, 20.0])
+def test_the_mean_velocity_is_that_of_speeds_and_courses_as_reported(sigma):
+    true = drawn(np.random.default_rng(0), 6.0, 0.3, sigma)
+    mean, covariance = reported(6.0, 0.3, sigma)
+    # Five deviations of a mean of so many draws.
+    assert mean == pytest.approx(true.mean(axis=0), abs=5.0 * 2.2 / np.sqrt(SAMPLES))
+    assert np.diag(covariance) == pytest.approx(np.maximum(np.diag(covariance), true.var(axis=0)))
+    assert covariance[0, 1] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("of_speed", [0.0, 0.3, 1.2])
+@pytest.mark.parametrize("sigma", [1.0, 2.0, 5.0, 10.0, 15.0, 20.0])
+def test_no_side_sees_a_reported_velocity_more_often_than_its_gaussian(sigma, of_speed):
+    """Certificates read tails along normals: of arcs, too, they are not above the Gaussian's."""
+    true = drawn(np.random.default_rng(1), 6.0, of_speed, sigma)
+    mean, covariance = reported(6.0, of_speed, sigma)
+    for angle in np.radians(np.arange(0.0, 181.0, 10.0)):
+        normal = np.array([np.cos(angle), np.sin(angle)])
+        far = (true - mean) @ normal / np.sqrt(normal @ covariance @ normal)
+        for clearance in (0.5, 1.0, 1.5, 2.0, 2.5, 3.0):
+            allowed = norm.sf(clearance)
+            chance = 4.0 * np.sqrt(allowed / SAMPLES)
+            assert np.mean(far > clearance) <= allowed + chance, (angle, clearance)
+
+
+def test_a_certificate_beside_a_ship_of_uncertain_course_is_not_below_what_is_drawn():
+    """The ship crosses ahead; its own speed and course are drawn, nothing is made linear."""
+    speed, sigma, steps = 2.0, 10.0, 14
+    start, covariance = track_from_course([10.0, -8.0], speed, 0.0, course_deviation=sigma)
+    hull = [[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]]
+    ship = radmpc.Obstacle.tracked("ship", hull, start, covariance)
+    boat = radmpc.Vehicle(
+        "boat", radmpc.double_integrator(1.0, dimension=2), [0.0, 3.0, 0.0, 0.0],
+        radmpc.Goal([17.0, 2.0], [19.0, 4.0], [0.3, 0.3]), radius=0.5, control_limit=1.5,
+        speed_limit=3.0, initial_covariance=0.0, disturbance_covariance=0.0,
+    )  # fmt: skip
+    scenario = radmpc.Scenario("crossing", 1.0, steps, 0.05, [boat], [ship], avoidance="steps")
+    plan = radmpc.plan(scenario, "certified(0)", rng=0).require()
+    certified = radmpc.certify(plan).certified
+    assert certified <= 0.05
+    velocities = drawn(np.random.default_rng(2), speed, 0.0, sigma)[:, ::-1]
+    touched = np.zeros(SAMPLES, bool)
+    for k, place in enumerate(plan.trajectories[0].means[:, :2]):
+        beside = np.abs(place - np.array([10.0, -8.0]) - k * velocities)
+        gap = np.maximum(beside - 2.0, 0.0)
+        touched |= np.hypot(gap[:, 0], gap[:, 1]) < 0.5
+    assert touched.mean() <= certified + 4.0 * np.sqrt(certified / SAMPLES)
 
 
 def test_deviations_of_the_position_stand_along_its_axes():

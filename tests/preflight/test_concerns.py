@@ -215,6 +215,20 @@ def test_saturation_is_a_sum_of_tails_over_steps_axes_and_both_limits() -> None:
     assert expected_saturation(bare, covariances, controls) == 0.0
 
 
+def test_saturation_of_a_vehicle_that_measures_is_that_of_its_certificate() -> None:
+    """Feedback acts on the estimate: what it never learns of it never steers against."""
+    scenario = of_scene("soft-gain-is-the-cure")
+    coarse = radmpc.Measurement.of([0, 1], 4, [4.0, 4.0])
+    soft = lqr_gain(scenario.vehicles[0].system, np.eye(4), 300.0 * np.eye(2))
+    vehicle = replace(scenario.vehicles[0], measurement=coarse, gain=soft, control_sigmas=2.0)
+    alone = replace(scenario, vehicles=(vehicle,), obstacles=())
+    plan = radmpc.plan(alone, "ira", rng=0).require()
+    [trajectory] = plan.trajectories
+    told = expected_saturation(vehicle, vehicle.covariances(alone.horizon), trajectory.controls)
+    assert told == pytest.approx(radmpc.certify(plan).saturation, rel=1e-6)
+    assert told > 1e-6
+
+
 def test_tails_are_those_of_the_normal_distribution() -> None:
     clearances = np.array([-40.0, -1.0, 0.0, 3.0, 8.0, 37.0])
     assert tails(clearances) == pytest.approx(ndtr(-clearances), rel=1e-12)

@@ -219,7 +219,7 @@ class Plan:
             return sentence
         saved = f"no plan that could be certified costs {percent(gap)} less"
         if self.status is Status.OPTIMAL:
-            return f"plan found; {saved}"
+            return f"plan found, optimal among plans by faces; {saved}"
         return f"{sentence}; {saved}"
 
     def trajectory(self, name: str) -> Trajectory:

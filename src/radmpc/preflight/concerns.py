@@ -17,16 +17,18 @@ from radmpc.preflight.cures import (
     visit_cures,
 )
 from radmpc.preflight.endpoint_concerns import describe_endpoints
+from radmpc.preflight.feedback import is_unstable, stable_cures, unstable_text
 from radmpc.preflight.narrow_concerns import describe_narrow, narrow_cures
-from radmpc.preflight.noise import NoiseKind, noise_warnings, quiet_axes
+from radmpc.preflight.noise import NoiseKind, idle_measurement, noise_warnings, quiet_axes
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
 from radmpc.preflight.time_concerns import describe_time, describe_unable
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 
 __all__ = ["Concern", "Kind", "concerns_of"]
 
 Kind = (
-    Literal["control", "time", "visit", "endpoint", "narrow", "saturation", "deviation"] | NoiseKind
+    Literal["feedback", "control", "time", "visit", "endpoint", "narrow", "saturation", "deviation"]
+    | NoiseKind
 )
 
 _MUCH = 0.5
@@ -143,6 +145,22 @@ def _risky_visits(outlook: Outlook) -> Iterator[Concern]:
 
 def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterator[_Found]:
     """Yield what is to be said of one vehicle."""
+    if not is_unstable(vehicle):
+        yield from _with_any_feedback(scenario, vehicle, seen)
+        return
+    text, is_fatal = unstable_text(vehicle), seen.reserve.share > 1.0
+    cures = partial(stable_cures, scenario, vehicle, _MUCH)
+    yield _Found("feedback", seen.name, text, np.inf, is_fatal, cures=cures)
+    for one in _with_any_feedback(scenario, vehicle, seen):
+        # These follow from it: softer or stiffer would not cure them.
+        follows = one.kind in {"control", "saturation", "deviation"}
+        yield replace(one, cures=None) if follows else one
+
+
+def _with_any_feedback(
+    scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook
+) -> Iterator[_Found]:
+    """Yield what is to be said of one vehicle whose feedback is stable, or would be."""
     yield from _control(scenario, vehicle, seen)
     yield from _time(scenario, vehicle, seen)
     for text, weight in describe_narrow(scenario, seen):
@@ -158,9 +176,9 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
             seen.saturation,
             cures=partial(saturation_cures, scenario, vehicle, most),
         )
-    quiet = quiet_axes(vehicle, scenario.horizon)
-    if quiet is not None:
-        yield _Found("noise", seen.name, quiet, 1.0)
+    for told in (quiet_axes(vehicle, scenario.horizon), idle_measurement(vehicle)):
+        if told is not None:
+            yield _Found("noise", seen.name, told, 1.0)
     ratio = seen.end_deviation / vehicle.radius
     if ratio > _SCATTERED:
         most = _SCATTERED * vehicle.radius

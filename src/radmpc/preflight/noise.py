@@ -12,7 +12,7 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.records import replace
 from radmpc.rounding import rounded_down
 
-__all__ = ["NoiseKind", "noise_warnings", "quiet_axes"]
+__all__ = ["NoiseKind", "idle_measurement", "noise_warnings", "quiet_axes"]
 
 NoiseKind = Literal["noise", "assumed noise", "track"]
 
@@ -29,12 +29,12 @@ def noise_warnings(scenario: Scenario) -> Iterator[tuple[NoiseKind, str]]:
     scenario : Scenario
         The scenario.
     """
-    if not any(
-        v.initial_covariance.any() or v.disturbance_covariance.any() for v in scenario.vehicles
-    ):
+    if not any(_is_shaken(vehicle) for vehicle in scenario.vehicles):
+        yield "noise", _without_noise(scenario)
+    for name in _idle_sources(scenario):
         text = (
-            "No vehicle has any noise: plans may touch what they pass, and their certificate says "
-            "nothing; state initial_covariance and disturbance_covariance"
+            f"Shared disturbance {name!r} acts on nobody, its matrices in `on` are all zeros: "
+            "state what it does to vehicles, or leave it out"
         )
         yield "noise", text
     choices = (scenario.source or {}).get("choices")
@@ -58,6 +58,63 @@ def noise_warnings(scenario: Scenario) -> Iterator[tuple[NoiseKind, str]]:
                 f"good enough"
             )
             yield "track", text
+
+
+def _is_shaken(vehicle: Vehicle) -> bool:
+    """Whether anything is uncertain about a vehicle."""
+    own = vehicle.initial_covariance.any() or vehicle.disturbance_covariance.any()
+    shared = (part.covariance.any() and part.matrix.any() for part in vehicle.shared)
+    return bool(own or any(shared))
+
+
+def _without_noise(scenario: Scenario) -> str:
+    """Return what a plan without any noise of vehicles is worth."""
+    astray = [obstacle.name for obstacle in scenario.obstacles if obstacle.spread is not None]
+    state = "state initial_covariance and disturbance_covariance"
+    if not astray:
+        return (
+            "No vehicle has any noise: plans may touch what they pass, and their certificate says "
+            f"nothing; {state}"
+        )
+    more = f" and {len(astray) - 1} more" if len(astray) > 1 else ""
+    return (
+        f"No vehicle has any noise, only where {astray[0]!r}{more} will be is uncertain: plans may "
+        f"touch all else that they pass, and their certificate speaks of that alone; {state}"
+    )
+
+
+def _idle_sources(scenario: Scenario) -> Iterator[str]:
+    """Yield the names of shared disturbances that do nothing to anybody."""
+    acts: dict[str, bool] = {}
+    for vehicle in scenario.vehicles:
+        for part in vehicle.shared:
+            acts[part.name] = acts.get(part.name, False) or bool(part.matrix.any())
+    yield from (name for name, does in acts.items() if not does)
+
+
+def idle_measurement(vehicle: Vehicle) -> str | None:
+    """Return why a measurement changes nothing, as text.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With or without one.
+
+    Returns
+    -------
+    str or None
+        None where there is none, or it has an effect.
+    """
+    if vehicle.measurement is None:
+        return None
+    if vehicle.gain is None:
+        return "measurement changes no plan without feedback: state feedback, or leave it out"
+    if not vehicle.measurement.matrix.any():
+        return (
+            "measurement.matrix is all zeros: nothing is measured and feedback never acts; "
+            "state what is measured, or leave measurement out if the state is known"
+        )
+    return None
 
 
 def quiet_axes(vehicle: Vehicle, horizon: int) -> str | None:

@@ -73,7 +73,7 @@ def expected_saturation(
     vehicle : Vehicle
         The vehicle.
     covariances : (T+1, n, n) array
-        State covariances.
+        State covariances; where it measures, feedback acts on the estimate, and its own count.
     controls : (T, m) array
         Nominal controls, of either sign.
     samples : int or None
@@ -86,6 +86,8 @@ def expected_saturation(
     """
     if vehicle.gain is None:
         return 0.0
+    if vehicle.measurement is not None:
+        covariances = vehicle.spread(len(covariances) - 1).estimates
     variances = np.einsum("an,knm,am->ka", vehicle.gain, covariances[:-1], vehicle.gain)
     spread = np.sqrt(np.maximum(variances, 0.0))
     noisy = spread > 0.0

@@ -11,6 +11,7 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.planners.reaching.drifting import strong_drift_text
 from radmpc.preflight.cures import time_cures
 from radmpc.preflight.outlook import VehicleOutlook
 from radmpc.records import dataclass
@@ -114,6 +115,10 @@ def describe_time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) ->
         return None  # without control no horizon helps
     seconds = f"{count_text(horizon, 'step')} ({horizon * scenario.dt:g} s)"
     if least is None:
+        drift = strong_drift_text(vehicle, scenario.dt, horizon)
+        if drift is not None:
+            text = f"goal out of reach, {drift}: check both, and the signs of drift"
+            return TimeConcern("time", text, np.inf)
         cures = time_cures(scenario, vehicle)
         text = (
             f"goal out of reach in many times the horizon of {seconds}, with nothing in the way: "

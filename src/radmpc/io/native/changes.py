@@ -16,6 +16,9 @@ __all__ = ["Places", "changed", "key_path", "key_value", "split_key"]
 
 Path = tuple[str | int, ...]
 
+_NOTHING = object()
+"""Stands where a key is not there."""
+
 
 @dataclass(frozen=True, slots=True)
 class Places:
@@ -52,6 +55,30 @@ class Places:
             Of the value, as in the file.
         """
         return any(path[: len(place)] == place for place in self.all)
+
+    def brought(self, path: Path, content: object) -> bool:
+        """Whether a value holds one of those that were set, and the file has none there.
+
+        Parameters
+        ----------
+        path : path
+            Of the value, as in the file.
+        content : object
+            Of the file.
+        """
+        return not _has(content, path) and any(place[: len(path)] == path for place in self.all)
+
+
+def _has(content: object, path: Path) -> bool:
+    """Whether content has a value at a path."""
+    for part in path:
+        if isinstance(content, Mapping):
+            content = content.get(part, _NOTHING)
+        elif isinstance(content, list) and isinstance(part, int) and part < len(content):
+            content = content[part]
+        else:
+            return False
+    return content is not _NOTHING
 
 
 _PART = re.compile(r"\.?(?P<key>[^.\[\]]+)|\[(?P<item>[^\[\]]+)\]")

@@ -47,6 +47,7 @@ def build_tracked(name: str, spec: TrackSpec) -> Obstacle:
     start = spec.start
     if start is None:
         velocity = spec.velocity or []
+        _check_size(spec, "velocity", len(velocity))
         start = [0.0] * len(velocity) + velocity
     return Obstacle.tracked(name, spec.outline, start, spec.covariance, spec.disturbance_covariance)
 
@@ -59,6 +60,7 @@ def _reported(name: str, spec: TrackSpec, report: tuple[list[float], float, floa
     deviations = {} if spec.deviations is None else spec.deviations.model_dump()
     given = {key: deviations.get(short, 0.0) for key, short in _DEVIATIONS.items()}
     position, speed, course = report
+    _check_size(spec, "position", 2)
     try:
         start, covariance = track_from_course(position, speed, course, **given)
     except ScenarioError as error:
@@ -66,6 +68,17 @@ def _reported(name: str, spec: TrackSpec, report: tuple[list[float], float, floa
         path = ("deviations", _DEVIATIONS[key]) if key in _DEVIATIONS else (key,)
         raise ScenarioError(error.message, ("moving", *path)) from error
     return Obstacle.tracked(name, spec.outline, start, covariance, spec.disturbance_covariance)
+
+
+def _check_size(spec: TrackSpec, key: str, size: int) -> None:
+    """Refuse what has not as many coordinates as the outline, by the name that it has in files."""
+    corners = spec.outline
+    if corners and len(corners[0]) != size:
+        dimension = len(corners[0])
+        text = f"must have {dimension} numbers like the corners of outline, got {size}"
+        if key == "position":
+            text = f"is in the plane, got an outline whose corners have {dimension} coordinates"
+        raise ScenarioError(text, ("moving", key))
 
 
 def encode_track(shape: TrackShape) -> dict[str, object]:

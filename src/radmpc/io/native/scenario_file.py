@@ -64,7 +64,7 @@ def load_scenario(
         return decode_scenario(content)
     except ScenarioError as error:
         told = places.in_file(error)
-        if places.hold(told.path):
+        if places.hold(told.path) or places.brought(told.path, document.value):
             raise ScenarioError(f"{told} (as set; the file is {document.name})") from error
         raise document.failure(told) from error
 

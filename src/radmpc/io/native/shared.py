@@ -53,6 +53,9 @@ def with_shared(
         if unknown:
             text = f"must name vehicles, or be {_DEFAULT}; got {unknown[0]!r}"
             raise ScenarioError(text, (*path, "on", unknown[0]))
+        if all(spec.on.get(name, spec.on.get(_DEFAULT)) is None for name in names):
+            text = f"must name a vehicle that it acts on, or {_DEFAULT}; got nobody"
+            raise ScenarioError(text, (*path, "on"))
         try:
             rho = correlation_of(spec.time_constant, spec.correlation, dt)
         except ScenarioError as error:

@@ -56,6 +56,9 @@ class SharedDisturbance(Frozen):
     def __post_init__(self) -> None:
         """Freeze the matrices."""
         field_text(self.name, ("name",))
+        if not self.name.strip():
+            state = "blank" if self.name else "empty"
+            raise ScenarioError(f"must not be {state}, got {self.name!r}", ("name",))
         matrix = sized(as_matrix(self.matrix, path=("matrix",)), ("matrix",))
         if not matrix.size:
             raise ScenarioError("must have at least one row and column, got none", ("matrix",))

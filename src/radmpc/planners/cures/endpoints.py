@@ -37,6 +37,9 @@ _NEIGHBORS = 12
 _QUIETEST = 0.05
 """Factor of standard deviations below which noise is not reduced by any means [-]."""
 
+_HALF = 0.5
+"""Share of Δ that starts and goals may take where no sensible one makes that small [-]."""
+
 _RISKS = (1.25, 2.0, 4.0)
 """Multiples of what is risked at least that are tried as Δ where plans are made of it [-]."""
 
@@ -250,6 +253,12 @@ def _with_start_noise(scenario: Scenario, factor: float) -> Scenario:
 def _bolder(part: Scenario, accepts: Accepts | None) -> Iterator[str]:
     """Yield a bound of which starts and goals take little, or with which there is a plan."""
     total = _total(part)
+    if accepts is None and rounded_up(total / SMALL_SHARE, 3) > MOST_RISK:
+        # No sensible bound makes it little; one that leaves a way half of itself often has a plan.
+        half = rounded_up(total / _HALF, 3)
+        if part.risk_bound < half <= MOST_RISK:
+            yield f"raise risk_bound to {half:g}, of which starts and goals take half"
+        return
     tried = [total / SMALL_SHARE] if accepts is None else [factor * total for factor in _RISKS]
     for bound in (rounded_up(value, 3) for value in tried if value > 0.0):
         if not part.risk_bound < bound <= MOST_RISK:

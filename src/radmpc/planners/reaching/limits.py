@@ -7,6 +7,7 @@ from bisect import bisect_left
 import numpy as np
 
 from radmpc.model.scenario import Scenario
+from radmpc.planners.reaching.drifting import strong_drift_text
 from radmpc.planners.reaching.empty_space import in_empty_space
 from radmpc.planners.reaching.reserves import reserve_reason, reserve_text
 from radmpc.planners.reaching.visiting import UNREACHED, makes_visits, reaches_goal
@@ -133,9 +134,11 @@ def _because(model: CondensedModel) -> str:
 def _too_far(scenario: Scenario, model: CondensedModel) -> Texts:
     """Return the sentence that a goal is out of reach by the horizon."""
     steps = count_text(scenario.horizon, "step")
+    drift = strong_drift_text(model.vehicle, scenario.dt, scenario.horizon)
+    because = _because(model) if drift is None else f" ({drift})"
     end = (
         f" within {steps} ({scenario.horizon * scenario.dt:g} s) under its control and speed "
-        f"limits{_because(model)}, obstacles aside."
+        f"limits{because}, obstacles aside."
     )
     return (
         f"cannot reach its goal{end}",

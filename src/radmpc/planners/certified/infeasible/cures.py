@@ -23,6 +23,7 @@ from radmpc.planners.cures.windows import later_window
 from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import hazards_of
+from radmpc.planners.reaching.drifting import strong_drift_text
 from radmpc.planners.reaching.limits import is_late_whatever_horizon, too_fast_texts
 from radmpc.planners.reaching.reserves import reserve_reason
 from radmpc.planners.within_norms import models_within_norms
@@ -72,9 +73,10 @@ def find_cures(scenario: Scenario, limits: Limits) -> Cures:
     found, failed = _more_time(scenario, models, limits.within(TUNING.seconds))
     has_gain = any(v.gain is not None for v in scenario.vehicles)
     is_short = not has_gain and any(unable_alone(scenario, one) is not None for one in models)
-    if is_short and (found or not failed):
+    carried = (strong_drift_text(v, scenario.dt, scenario.horizon) for v in scenario.vehicles)
+    if is_short and (found or not failed or any(carried)):
         # Out of reach with all of its control: noise has no part in it, feedback leaves less.
-        return Cures(tuple(found), ())
+        return Cures(tuple(found), () if found else tuple(failed))
     feedback = _feedback(scenario, limits.within(TUNING.seconds))
     if feedback is not None:
         found.append(f"{'soften the' if has_gain else 'add'} feedback ({feedback})")

@@ -1,0 +1,55 @@
+"""Drifts that are faster than a vehicle are named as the reason that there is no plan."""
+
+from __future__ import annotations
+
+import pytest
+
+import radmpc
+from radmpc import Scenario, Vehicle
+from radmpc.planners.reaching.drifting import strong_drift_text
+from radmpc.preflight.concerns import concerns_of
+from radmpc.preflight.outlook import outlook_of
+
+
+def drifting(rate: float, goal: float = 20.0, axis: int = 0, **more: object) -> Vehicle:
+    drift = [0.0] * 4
+    drift[axis] = 0.5 * rate
+    values = {
+        "name": "a",
+        "system": radmpc.double_integrator(0.5, 2),
+        "start": [0.0, 0.0],
+        "goal": radmpc.Goal.at([goal, 0.0], 0.5),
+        "radius": 0.5,
+        "control_limit": 1.5,
+        "speed_limit": 3.0,
+        "initial_covariance": 1e-4,
+        "disturbance_covariance": 1e-4,
+        "drift": drift,
+    }
+    return Vehicle(**values | more)  # type: ignore[arg-type] # fields by name
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "told"),
+    [
+        (drifting(-3.5), "the drift of -3.5 m/s along x is faster than speed_limit 3"),
+        (drifting(4.0, axis=1), "the drift of 4 m/s along y is faster than speed_limit 3"),
+        (drifting(-2.9), None),  # slow, but ahead
+        (drifting(4.0), None),  # along the way
+        (drifting(9.0), "the drift of 9 m/s along x is faster than speed_limit 3"),  # past it
+        (drifting(-3.5, speed_limit=None), None),
+        (drifting(-3.5, drift=None), None),
+    ],
+)
+def test_a_drift_is_named_where_it_carries_a_vehicle_past_its_goal(vehicle, told) -> None:
+    assert strong_drift_text(vehicle, 0.5, 28) == told
+
+
+def test_check_and_plan_name_the_drift_and_no_feedback() -> None:
+    scenario = Scenario("river", 0.5, 28, 0.05, [drifting(-3.5)])
+    [time] = [one.text for one in concerns_of(outlook_of(scenario)) if one.kind == "time"]
+    assert "the drift of -3.5 m/s along x is faster than speed_limit 3" in time
+    assert "units" not in time
+    explanation = radmpc.plan(scenario, "certified(0)", rng=0).explanation
+    assert "the drift of -3.5 m/s along x is faster than speed_limit 3" in explanation
+    assert "feedback" not in explanation
