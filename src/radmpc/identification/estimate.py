@@ -5,19 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import stdtrit
 
 from radmpc.arrays import Indices, Matrix
+from radmpc.identification.drift import SURE, current, mean_of_steps
 from radmpc.identification.intervals import (
-    LEVEL,
-    SIGMAS,
     Interval,
     covariance_interval,
-    normal_interval,
     placed,
     widened,
 )
-from radmpc.identification.measurement import measured_noise
 from radmpc.identification.model import StepModel
 from radmpc.identification.regression import Fit, feedback, feedback_chance, fit, time_constant
 from radmpc.identification.segments import (
@@ -28,6 +24,7 @@ from radmpc.identification.segments import (
     stacked,
 )
 from radmpc.identification.small_sample import without_bias
+from radmpc.identification.spectral.measurement import Measured, measured_noise
 from radmpc.identification.tails import Tails, scatter, tails
 from radmpc.identification.whiteness import (
     LEAST_CHANGE,
@@ -39,10 +36,6 @@ from radmpc.identification.whiteness import (
 from radmpc.records import dataclass, replace
 
 __all__ = ["Estimate", "estimate"]
-
-SURE = 2.58
-"""Standard deviations [-] beyond which color, drift and the like are taken for real: 1 % by
-chance."""
 
 _LEAST_COLOR = 0.05
 """Autocorrelation [-] from step to step below which noise counts as white, however sure it is:
@@ -142,7 +135,7 @@ def _beside_still(
     states = model.states_along(axes)
     square, nothing = np.ix_(states, states), Interval(*np.zeros((3, n, n)))
     unknown = np.full((model.dimension, n), np.inf)
-    drift, has_drift = _current(y, model), False
+    drift, has_drift = current(y, model), False
     if evidence != "states":
         drift = placed(found.drift, Interval(means, means, means), (states,))
         still = np.delete(means, states)
@@ -176,24 +169,25 @@ def _of_moving(
     y, h, follows = stacked(all_segments)
     found = fit(y, h, follows, model.B, has_color=False)
     first = autocorrelation(_pieces(whitened(found.innovations), all_segments))
+    measured = None
+    if evidence == "commands":
+        offsets = [segment.offset for segment in all_segments]
+        measured = measured_noise(_pieces(found.noise, all_segments), offsets, model)
     can_color = evidence == "commands" or (evidence == "references" and model.has_velocity)
-    if can_color and first.first_score > SURE and first.first > _LEAST_COLOR:
+    if measured is not None:
+        found = _beside(found, measured)
+    elif can_color and first.first_score > SURE and first.first > _LEAST_COLOR:
         found = fit(y, h, follows, model.B, has_color=True)
     elif evidence == "references":
         found = without_bias(found, h, follows, model)
-    measured = None
-    if evidence == "commands":
-        pieces, opposes = _pieces(found.noise, all_segments), first.first_score < -SURE
-        offsets = [segment.offset for segment in all_segments]
-        measured = measured_noise(pieces, offsets, model, opposes=opposes)
     white, moving = whitened(found.innovations), moving_states(found.innovations)
     kind = None if evidence == "states" else tails([white])
     more = (len(group) - 1) * max(share, 0.0)
     found = _widened(found, np.sqrt(1.0 + more), np.sqrt(1.0 + more * max(share, 0.0)))
     covariance, worth = _spread(found, kind, model, 1.0 + more * max(share, 0.0))
     if measured is not None:
-        covariance, worth = measured[0], min(worth, _worth(measured[0]))
-    drift, has_drift = _drift(found, y, model, evidence)
+        covariance, worth = measured.disturbance, min(worth, _worth(measured.disturbance))
+    drift, has_drift = mean_of_steps(found, y, model, evidence)
     return Estimate(
         vehicles=tuple(one.name for one in group),
         num_steps=len(y),
@@ -204,14 +198,35 @@ def _of_moving(
         gain=feedback(found, group, evidence),
         gain_chance=feedback_chance(found, y, h, follows) if h.shape[1] else float("nan"),
         color=found.color,
-        time_constant=time_constant(found, model.dt),
-        measurement=None if measured is None else measured[1],
+        time_constant=_time_constant(found, measured, model.dt),
+        measurement=None if measured is None else measured.measurement,
         tails=kind,
         autocorrelation=first,
         residuals=white,
         residual_states=tuple(moving.tolist()) if len(moving) == white.shape[1] else (),
         noise=_noise(found.noise, group),
     )
+
+
+def _beside(found: Fit, measured: Measured) -> Fit:
+    """Return a fit whose drift is as unsure as the memory of the disturbance leaves it."""
+    if measured.color is None:
+        return found
+    color, variances = float(measured.color.value), np.diag(measured.disturbance.value)
+    lasting = variances * (1.0 + color) / (1.0 - color) / len(found.noise)
+    return replace(
+        found, color=color, drift_deviation=np.hypot(found.drift_deviation, lasting**0.5)
+    )
+
+
+def _time_constant(found: Fit, measured: Measured | None, dt: float) -> Interval | None:
+    """Return the time constant of the disturbance [s], None if it is white."""
+    if measured is None:
+        return time_constant(found, dt)
+    if measured.color is None:
+        return None
+    parts = (measured.color.value, measured.color.low, measured.color.high)
+    return Interval(*(np.asarray(-dt / np.log(part)) for part in parts))
 
 
 def _pieces(rows: Matrix, all_segments: Sequence[Segment]) -> list[Matrix]:
@@ -257,30 +272,3 @@ def _worth(covariance: Interval) -> float:
     variances = np.maximum(np.diag(covariance.value), 1e-300)
     deviations = np.maximum(np.diag(covariance.high - covariance.low) / 3.92, 1e-300)
     return max(float(np.median(2.0 * (variances / deviations) ** 2)), 1.0)
-
-
-def _drift(found: Fit, y: Matrix, model: StepModel, evidence: Evidence) -> tuple[Interval, bool]:
-    """Return what every step adds, and whether that is beyond chance."""
-    if evidence != "states":
-        # A mean is as sure as the deviation around it: noise with memory has few independent steps.
-        free = max(len(found.noise) * (1.0 - found.color) / (1.0 + found.color), 1.0)
-        sure = found.drift_deviation * float(stdtrit(free, 0.5 + 0.5 * LEVEL)) / SIGMAS
-        drift = normal_interval(found.drift, sure)
-        scores = np.abs(found.drift) / np.maximum(sure, 1e-300)
-        # As many chances as states to look large.
-        return drift, bool(np.any(scores > SURE + 0.25 * np.log2(model.num_states)))
-    return _current(y, model), False
-
-
-def _current(y: Matrix, model: StepModel) -> Interval:
-    """Return the current that positions tell whatever was commanded."""
-    value = np.full(model.num_states, np.nan)
-    deviation = np.full(model.num_states, np.nan)
-    if model.has_velocity:
-        d = model.dimension
-        # Positions move by the mean of both velocities: the rest is a
-        # current (exact for commands that are held over the step).
-        rest = y[:, :d] - 0.5 * model.dt * y[:, d:]
-        value[:d] = rest.mean(axis=0)
-        deviation[:d] = rest.std(axis=0) / np.sqrt(len(rest))
-    return normal_interval(value, deviation)

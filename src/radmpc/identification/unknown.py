@@ -5,14 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.identification.estimate import Estimate
+from radmpc.identification.intervals import Interval
 from radmpc.identification.model import StepModel
 from radmpc.identification.segments import Evidence
 from radmpc.identification.sharing import Shared
 
-__all__ = ["unknowns"]
+__all__ = ["misfit_of_color", "safe_constant", "unknowns"]
 
 _DOUBT = 0.01
 """Probability [-] below which a closed loop is not that of a double integrator with feedback."""
+
+_VAGUE = 2.0
+"""Ratio [-] of a time constant's upper end to its value beyond which it is hardly known."""
 
 
 def unknowns(
@@ -39,11 +43,33 @@ def unknowns(
     """
     told = {"states": _of_states, "references": _of_references, "commands": _of_commands}
     sentences = told[evidence](identified, model)
+    constant = identified.time_constant
+    if constant is not None and _is_vague(constant):
+        sentences.append(
+            "time constant: its interval is wide, and the block holds its upper end, "
+            f"{float(constant.high):.3g} s"
+        )
     if num_vehicles < 2:
         sentences.append("shared noise: the logs are of one vehicle")
     elif shared is None:
         sentences.append("shared noise: too few steps of two vehicles at equal times by one clock")
     return tuple(sentences)
+
+
+def safe_constant(constant: Interval) -> float:
+    """Return a time constant on the safe side [s]: where it is hardly known, its upper end.
+
+    Parameters
+    ----------
+    constant : Interval
+        What was found.
+    """
+    return float(constant.high if _is_vague(constant) else constant.value)
+
+
+def _is_vague(constant: Interval) -> bool:
+    """Whether a time constant may be far longer than its value."""
+    return bool(constant.high > _VAGUE * constant.value)
 
 
 def _of_states(identified: Estimate, model: StepModel) -> list[str]:
@@ -98,14 +124,16 @@ def _of_commands(identified: Estimate, model: StepModel) -> list[str]:
     if identified.gain is None:
         sentences.append("feedback: commands without references hide what they answer")
     if identified.measurement is None and identified.color > 0.0:
-        sentences.append("measurement noise: the disturbance's own memory hides it")
+        sentences.append(
+            "measurement noise: beside the disturbance's memory there is no sign of it"
+        )
     elif identified.measurement is None:
         sentences.append(
             "measurement noise: residuals show no sign of it: it is small against the disturbance, "
             "or logged states are filtered"
         )
     if identified.measurement is not None and identified.color == 0.0:
-        sentences.append("time constant: measurement noise hides it")
+        sentences.append("time constant: beside measurement noise there is no sign of memory")
     if (
         identified.tails is not None
         and identified.measurement is not None
@@ -133,7 +161,7 @@ def misfit_of_color(identified: Estimate) -> str | None:
         Of noise with color.
     """
     seen = identified.autocorrelation
-    if identified.color <= 0.0 or seen.values.size < 5:
+    if identified.color <= 0.0 or seen.values.size < 5 or identified.measurement is not None:
         return None
     expected = identified.color ** seen.lags[:5]
     width = 4.0 * seen.deviations[:5] / max(1.0 - identified.color, 0.05)

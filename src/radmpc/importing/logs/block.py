@@ -11,6 +11,7 @@ from radmpc.errors import ScenarioError
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
 from radmpc.identification.sharing import nearest_covariance, own_part
+from radmpc.identification.unknown import safe_constant
 from radmpc.records import dataclass
 
 __all__ = ["KEYS", "Block", "noise_block", "reordered", "vehicle_fields"]
@@ -87,7 +88,7 @@ def noise_block(identified: Identification) -> Block:
             "on": {"default": _rows(np.eye(identified.model.num_states))},
         }
         if identified.pooled.time_constant is not None:
-            common["time_constant"] = _short(float(identified.pooled.time_constant.value))
+            common["time_constant"] = _short(safe_constant(identified.pooled.time_constant))
         place = content if KEYS["shared_disturbances"] else pending
         place["shared_disturbances"] = [common]
     return Block(content, pending)
@@ -180,7 +181,7 @@ def _fields(one: Estimate, identified: Identification) -> Fields:
     if one.time_constant is None:
         fields["disturbance_covariance"] = _rows(own)
     else:
-        constant = _short(float(one.time_constant.value))
+        constant = _short(safe_constant(one.time_constant))
         fields["disturbance"] = {"covariance": _rows(own), "time_constant": constant}
     if one.gain is not None and one.gain.excludes_zero:
         fields["feedback"] = {"gain": [[_short(entry) for entry in row] for row in one.gain.value]}
