@@ -24,6 +24,7 @@ from radmpc.identification.segments import (
     stacked,
 )
 from radmpc.identification.small_sample import without_bias
+from radmpc.identification.spectral.fleet import repetition
 from radmpc.identification.spectral.measurement import Measured, measured_noise
 from radmpc.identification.tails import Tails, scatter, tails
 from radmpc.identification.whiteness import (
@@ -168,11 +169,14 @@ def _of_moving(
     all_segments = [segment for one in group for segment in one.segments]
     y, h, follows = stacked(all_segments)
     found = fit(y, h, follows, model.B, has_color=False)
-    first = autocorrelation(_pieces(whitened(found.innovations), all_segments))
+    pieces = _pieces(whitened(found.innovations), all_segments)
+    first = autocorrelation(pieces)
     measured = None
     if evidence == "commands":
         offsets = [segment.offset for segment in all_segments]
-        measured = measured_noise(_pieces(found.noise, all_segments), offsets, model)
+        measured = measured_noise(
+            _pieces(found.noise, all_segments), offsets, model, repetition(group, pieces)
+        )
     can_color = evidence == "commands" or (evidence == "references" and model.has_velocity)
     if measured is not None:
         found = _beside(found, measured)

@@ -38,6 +38,10 @@ def identification_json(identified: Identification) -> dict[str, object]:
         else {
             "vehicles": list(shared.vehicles),
             "is_sure": shared.is_sure,
+            "is_mixed": shared.is_mixed,
+            "alike": [list(pair) for pair in shared.alike],
+            "opposed": [list(pair) for pair in shared.opposed],
+            "opposition": shared.opposition,
             "share": _interval_json(shared.share),
             "covariance": _interval_json(shared.covariance),
         },

@@ -52,7 +52,10 @@ class Measured:
 
 
 def measured_noise(
-    pieces: Sequence[Matrix], offsets: Sequence[Matrix | None], model: StepModel
+    pieces: Sequence[Matrix],
+    offsets: Sequence[Matrix | None],
+    model: StepModel,
+    repeated: float = 1.0,
 ) -> Measured | None:
     """Return disturbance and measurement noise where there is a sign of the latter.
 
@@ -65,10 +68,12 @@ def measured_noise(
         where there was no second one.
     model : StepModel
         Dynamics.
+    repeated : float
+        How many times vehicles tell the same [-].
     """
     known = [offset for offset in offsets if offset is not None]
     has_second = bool(known) and len(known) == len(offsets)
-    if not has_second and _whiteness(pieces) >= _DOUBT:
+    if not has_second and _whiteness(pieces, repeated) >= _DOUBT:
         return None
     if has_second:
         mean = np.concatenate(known).mean(axis=0)
@@ -76,7 +81,7 @@ def measured_noise(
     runs = [piece for piece in pieces if len(piece) >= LEAST_RUN]
     if not runs:
         return None
-    mixture = Mixture(runs, model)
+    mixture = Mixture(runs, model, repeated)
     white = mixture.at(0.0)
     best = mixture.best()
     has_memory = 2.0 * (best.value - white.value) > float(chdtri(1.0, 1.0 - LEVEL)) * white.loss
@@ -86,7 +91,7 @@ def measured_noise(
     return Measured(*mixture.intervals(found, has_memory=has_memory))
 
 
-def _whiteness(pieces: Sequence[Matrix]) -> float:
+def _whiteness(pieces: Sequence[Matrix], repeated: float) -> float:
     """Return the chance of such correlations over a few steps of white residuals."""
     white = whitened(np.concatenate(pieces))
     ends = np.cumsum([len(piece) for piece in pieces])[:-1]
@@ -99,4 +104,4 @@ def _whiteness(pieces: Sequence[Matrix]) -> float:
         products = sum(part[lag:].T @ part[:-lag] for part in parts if len(part) > lag)
         statistic += float(np.sum(np.square(products))) / pairs
         freedom += white.shape[1] ** 2
-    return float(chdtrc(freedom, statistic)) if freedom else 1.0
+    return float(chdtrc(freedom, statistic / repeated)) if freedom else 1.0

@@ -64,9 +64,11 @@ class Mixture:
         Residuals, and behind them the first sensor less the second, runs without a gap.
     model : StepModel
         Dynamics.
+    repeated : float
+        How many times vehicles tell the same [-].
     """
 
-    def __init__(self, pieces: Sequence[Matrix], model: StepModel) -> None:
+    def __init__(self, pieces: Sequence[Matrix], model: StepModel, repeated: float = 1.0) -> None:
         n, d = model.num_states, model.dimension
         scale = np.concatenate(pieces).std(axis=0)
         scale = np.maximum(scale, 1e-9 * max(float(scale.max()), 1e-150))
@@ -84,6 +86,7 @@ class Mixture:
             other = np.vstack([np.zeros((n, d)), -np.eye(d)])
             self._sources.append(Source(_units(d), other, np.zeros_like(other)))
             self._start = np.append(self._start, 0.5 * np.eye(d)[np.triu_indices(d)])
+        self._repeated = repeated
         self._known: dict[float, Mixed] = {}
 
     def at(self, color: float) -> Mixed:
@@ -98,7 +101,8 @@ class Mixture:
             first, *others = self._sources
             sources = [first._replace(color=color), *others]
             units = tuple(source.units for source in sources)
-            likelihood = Whittle(spectra(self._pieces, sources), units)
+            seen = spectra(self._pieces, sources)
+            likelihood = Whittle(seen._replace(loss=seen.loss * self._repeated), units)
             near = min(self._known.values(), key=lambda one: abs(one.color - color), default=None)
             start = self._start if near is None else near.entries
             self._known[color] = Mixed(color, likelihood, *likelihood.likeliest(start))

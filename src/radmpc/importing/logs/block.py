@@ -10,7 +10,7 @@ from radmpc.arrays import Matrix, as_covariance
 from radmpc.errors import ScenarioError
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
-from radmpc.identification.sharing import nearest_covariance, own_part
+from radmpc.identification.sharing import against_others, nearest_covariance, own_part
 from radmpc.identification.unknown import safe_constant
 from radmpc.records import dataclass
 
@@ -178,6 +178,7 @@ def _fields(one: Estimate, identified: Identification) -> Fields:
         identified.shared is not None and identified.shared.is_sure and KEYS["shared_disturbances"]
     )
     own = own_part(one.covariance.value, identified.shared if has_shared else None)
+    own = own * against_others(one.vehicles, identified.shared)
     if one.time_constant is None:
         fields["disturbance_covariance"] = _rows(own)
     else:
