@@ -182,6 +182,8 @@ def _feedback_pairs(
     d, references = samples.track.dimension, samples.references
     if references is None or samples.controls is None or references.shape[1] != 2 * d:
         return None, None
+    if len(samples.times) < 2:
+        return None, None
     deviations = (samples.states - references)[:-1]
     lengths = np.diff(samples.times)[:, None]
     planned = np.diff(references[:, d:], axis=0) / lengths
