@@ -108,3 +108,11 @@ def test_positions_in_degrees_are_asked_about() -> None:
 def test_a_step_longer_than_the_log_is_one_line() -> None:
     with pytest.raises(FileFormatError, match="are too few"):
         identify([flight("both")], dt=1000.0)
+
+
+def test_exact_motion_along_one_axis_contradicts_nothing() -> None:
+    since = 0.5 * np.arange(301)
+    positions = np.column_stack([7.0 * since, 0.5 * np.sin(since)])
+    velocities = np.column_stack([7.0 + 1e-9 * since, 0.5 * np.cos(since)])
+    found = identify([Track("v1", "log.csv", "one", since, positions, velocities)])
+    assert not any("times as far" in line for line in found.warnings)

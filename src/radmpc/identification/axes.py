@@ -61,7 +61,8 @@ def check_axes(track: Track) -> tuple[str, ...]:
     slopes, shares = _explained(moved, told)
     for i, axis in enumerate("xyz"[: track.dimension]):
         slope, share, best = slopes[i, i], shares[i, i], int(np.argmax(shares[i]))
-        if shares[i, best] > _CLEAR and 1.0 - share > _CROSSED * (1.0 - shares[i, best]):
+        is_clear = best != i and shares[i, best] > _CLEAR
+        if is_clear and 1.0 - share > _CROSSED * (1.0 - shares[i, best]):
             raise FileFormatError(
                 f"{track.where}: {axis} moves as v{'xyz'[best]} says, and not as v{axis}: are axes "
                 "of positions and velocities the same?"
