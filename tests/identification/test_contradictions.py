@@ -116,3 +116,9 @@ def test_exact_motion_along_one_axis_contradicts_nothing() -> None:
     velocities = np.column_stack([7.0 + 1e-9 * since, 0.5 * np.cos(since)])
     found = identify([Track("v1", "log.csv", "one", since, positions, velocities)])
     assert not any("times as far" in line for line in found.warnings)
+
+
+def test_a_log_whose_time_runs_backwards_throughout_is_not_two_logs() -> None:
+    track = flight()
+    with pytest.raises(FileFormatError, match="the whole log does"):
+        identify([track.changed({}, -track.times)])

@@ -135,9 +135,12 @@ def _in_order(track: Track, warnings: list[str]) -> Track:
     forward = np.diff(track.times)
     if np.any(forward < 0.0):
         at = int(np.argmax(forward < 0.0)) + 1
+        cause = "are these two logs in one?"
+        if np.all(forward <= 0.0):
+            cause = "the whole log does: turn its rows and times around"
         raise FileFormatError(
             f"{track.where}: time runs backwards at sample {at + 1}: {track.times[at]:.9g} s after "
-            f"{track.times[at - 1]:.9g} s; are these two logs in one?"
+            f"{track.times[at - 1]:.9g} s; {cause}"
         )
     is_new = np.concatenate([[True], forward > 0.0])
     repeated = int((~is_new).sum())
