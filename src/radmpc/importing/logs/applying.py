@@ -9,13 +9,16 @@ from typing import Any
 import numpy as np
 
 from radmpc.errors import ScenarioError
+from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
+from radmpc.identification.intervals import Interval
 from radmpc.importing.logs.block import noise_block, reordered, vehicle_fields
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.text.yaml_writing import write_yaml
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import replace
 from radmpc.version import __version__
 
 __all__ = ["noise_text", "provenance", "recorded", "with_noise"]
@@ -188,13 +191,15 @@ def _entries(
     """Return the vehicles of a scenario's file with their new noise."""
     by_name = {one.vehicles[0]: one for one in identified.each} if identified.differ else {}
     defaults, given = content.get("defaults", {}), content["vehicles"]
+    unknown = _largest(identified.each) if identified.differ else identified.pooled
     entries, warnings = [], []
     for i, (vehicle, entry) in enumerate(zip(scenario.vehicles, given, strict=True)):
         if identified.differ and vehicle.name not in by_name:
             warnings.append(
-                f"vehicle {vehicle.name!r} is in no log: it gets the mean of the others"
+                f"vehicle {vehicle.name!r} is in no log, and the others differ: it gets the largest "
+                "noise of any of them"
             )
-        one = by_name.get(vehicle.name, identified.pooled)
+        one = by_name[vehicle.name] if vehicle.name in by_name else unknown
         fields = reordered(vehicle_fields(one, identified)[0], orders[i])
         fields.pop("dynamics", None)
         replaced = {"disturbance", "disturbance_covariance"}
@@ -202,6 +207,26 @@ def _entries(
         kept = {k: part for k, part in {**defaults, **entry}.items() if k not in replaced}
         entries.append({**kept, **fields})
     return entries, warnings
+
+
+def _largest(each: Sequence[Estimate]) -> Estimate:
+    """Return an estimate whose variances and time constant are the largest of all."""
+    sizes = np.array([np.diag(one.covariance.value) for one in each])
+    mean = np.maximum(sizes.mean(axis=0), 1e-300)
+    one = each[int(np.argmax((sizes / mean).sum(axis=1)))]
+    own = np.maximum(np.diag(one.covariance.value), 1e-300)
+    grown = np.sqrt(sizes.max(axis=0) / own)
+    covariance = np.array(one.covariance.value) * np.outer(grown, grown)
+    # What never moved in that vehicle's log has no row to be scaled.
+    np.fill_diagonal(covariance, sizes.max(axis=0))
+    constants = [other for other in each if other.time_constant is not None]
+    longest = max(constants, key=lambda other: other.color, default=one)
+    return replace(
+        one,
+        covariance=Interval(covariance, one.covariance.low, covariance),
+        color=longest.color,
+        time_constant=longest.time_constant,
+    )
 
 
 def _order(vehicle: Vehicle, identified: Identification, index: int) -> list[int]:
