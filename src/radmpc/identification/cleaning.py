@@ -158,7 +158,9 @@ def _without_constants(track: Track, warnings: list[str]) -> Track:
     """Tell what never changes; velocities that never change were not measured."""
     warnings += check_still(track)
     is_still = np.ptp(track.positions, axis=0) == 0.0
-    velocities = track.velocities
+    references, velocities = track.references, track.velocities
+    if references is not None and track.times.size > 1 and not np.ptp(references, axis=0).any():
+        warnings.append(f"{track.where}: references never change: were they logged?")
     if velocities is None or track.times.size < 2:
         return track
     if np.any((np.ptp(velocities, axis=0) == 0.0) & ~is_still):

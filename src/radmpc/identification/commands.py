@@ -17,6 +17,9 @@ makes them look weak: 0.53 at a time constant of three steps; nothing makes them
 _CROSSED = 0.4
 """Response [-] of one axis to commands along another from which on axes are mixed up."""
 
+_LEAST_SHARE = 0.2
+"""Share of what an axis gains [-] that such commands must explain alone."""
+
 _SURE = 3.0
 """Standard deviations [-] by which it must be beyond."""
 
@@ -69,11 +72,14 @@ def _odd_axis(asked: Matrix, gained: Matrix) -> str:
     rest = gained - asked @ answers.T
     inverse = np.linalg.inv(asked.T @ asked)
     widths = _SURE * np.sqrt(np.outer(np.mean(rest**2, axis=0), np.diag(inverse)))
+    sizes = np.outer(np.sum(gained**2, axis=0), np.sum(asked**2, axis=0))
+    shares = (gained.T @ asked) ** 2 / np.maximum(sizes, 1e-300)
     for i, axis in enumerate("xyz"[: len(answers)]):
-        if answers[i, i] + widths[i, i] < 0.0:
+        if answers[i, i] + widths[i, i] < 0.0 and shares[i, i] > _LEAST_SHARE:
             return f"v{axis} gains against what commands along {axis} ask for"
         sure = np.abs(answers[i]) - widths[i]
         other = int(np.argmax(sure))
-        if other != i and sure[other] > _CROSSED and answers[i, i] - widths[i, i] < _LEAST:
+        is_other = other != i and sure[other] > _CROSSED and shares[i, other] > _LEAST_SHARE
+        if is_other and abs(answers[i, other]) < _MOST and answers[i, i] - widths[i, i] < _LEAST:
             return f"v{axis} gains what commands along {'xyz'[other]} ask for"
     return ""

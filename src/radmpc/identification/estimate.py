@@ -63,6 +63,9 @@ class Estimate:
         Whether chance hardly makes it.
     gain : Interval or None
         Feedback K, (d, n), without ends along axes that never move; None where it cannot be told.
+    gain_share : float
+        Share of the corrections that commands hold [-] which feedback explains; NaN where these are
+        not known.
     gain_chance : float
         Probability of such residuals if the closed loop is that of a double integrator with
         feedback [-]; NaN where that was not tried.
@@ -91,6 +94,7 @@ class Estimate:
     drift: Interval
     has_drift: bool
     gain: Interval | None
+    gain_share: float
     gain_chance: float
     color: float
     time_constant: Interval | None
@@ -191,6 +195,7 @@ def _of_moving(
     covariance, worth = _spread(found, kind, model, 1.0 + more * max(share, 0.0))
     if measured is not None:
         covariance, worth = measured.disturbance, min(worth, _worth(measured.disturbance))
+    gain, gain_share = feedback(found, group, evidence)
     drift, has_drift = mean_of_steps(found, y, model, evidence)
     return Estimate(
         vehicles=tuple(one.name for one in group),
@@ -199,7 +204,8 @@ def _of_moving(
         covariance=covariance,
         drift=drift,
         has_drift=has_drift,
-        gain=feedback(found, group, evidence),
+        gain=gain,
+        gain_share=gain_share,
         gain_chance=feedback_chance(found, y, h, follows) if h.shape[1] else float("nan"),
         color=found.color,
         time_constant=_time_constant(found, measured, model.dt),

@@ -10,10 +10,13 @@ from radmpc.identification.model import StepModel
 from radmpc.identification.segments import Evidence
 from radmpc.identification.sharing import Shared
 
-__all__ = ["misfit_of_color", "safe_constant", "unknowns"]
+__all__ = ["growth_of_loop", "misfit_of_color", "safe_constant", "unknowns"]
 
 _DOUBT = 0.01
 """Probability [-] below which a closed loop is not that of a double integrator with feedback."""
+
+_ROUNDING = 1e-6
+"""Growth of deviations from step to step [-] that is none: of axes without feedback it is 1."""
 
 _VAGUE = 2.0
 """Ratio [-] of a time constant's upper end to its value beyond which it is hardly known."""
@@ -43,6 +46,11 @@ def unknowns(
     """
     told = {"states": _of_states, "references": _of_references, "commands": _of_commands}
     sentences = told[evidence](identified, model)
+    if identified.gain is not None and (growth := growth_of_loop(identified.gain, model)) > 1.0:
+        sentences.append(
+            f"feedback that holds: with K deviations grow {growth:.5g} times every step, so that "
+            "the block has none"
+        )
     constant = identified.time_constant
     if constant is not None and _is_vague(constant):
         sentences.append(
@@ -54,6 +62,20 @@ def unknowns(
     elif shared is None:
         sentences.append("shared noise: too few steps of two vehicles at equal times by one clock")
     return tuple(sentences)
+
+
+def growth_of_loop(gain: Interval, model: StepModel) -> float:
+    """Return by what factor deviations grow every step in the closed loop, 1 if by rounding alone.
+
+    Parameters
+    ----------
+    gain : Interval
+        K, (d, n).
+    model : StepModel
+        Dynamics without feedback.
+    """
+    growth = float(np.abs(np.linalg.eigvals(model.A + model.B @ gain.value)).max())
+    return growth if growth > 1.0 + _ROUNDING else min(growth, 1.0)
 
 
 def safe_constant(constant: Interval) -> float:
@@ -121,7 +143,12 @@ def _of_commands(identified: Estimate, model: StepModel) -> list[str]:
             f"disturbance of {hidden}: measurement noise hides it; no more than the upper end of "
             "its interval is known"
         )
-    if identified.gain is None:
+    if identified.gain is None and np.isfinite(identified.gain_share):
+        sentences.append(
+            f"feedback: deviations from references explain {100 * identified.gain_share:.0f} % of "
+            "what commands correct: the controller goes by something else"
+        )
+    elif identified.gain is None:
         sentences.append("feedback: commands without references hide what they answer")
     if identified.measurement is None and identified.color > 0.0:
         sentences.append(

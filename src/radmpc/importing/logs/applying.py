@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from radmpc.errors import ScenarioError
+from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
 from radmpc.identification.intervals import Interval
-from radmpc.importing.logs.block import noise_block, reordered, vehicle_fields
+from radmpc.importing.logs.block import FEWEST_SAMPLES, noise_block, reordered, vehicle_fields
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.text.yaml_writing import write_yaml
@@ -21,7 +21,7 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.records import replace
 from radmpc.version import __version__
 
-__all__ = ["noise_text", "provenance", "recorded", "with_noise"]
+__all__ = ["check_worth", "noise_text", "provenance", "recorded", "with_noise"]
 
 _SHARED = "shared_disturbances"
 
@@ -69,6 +69,27 @@ def recorded(start: float) -> str:
     return datetime.fromtimestamp(start, tz=UTC).strftime("%Y-%m-%d %H:%M UTC")
 
 
+def check_worth(identified: Identification) -> None:
+    """Refuse to write noise that hardly anything is known of.
+
+    Parameters
+    ----------
+    identified : Identification
+        What logs tell.
+
+    Raises
+    ------
+    FileFormatError
+        If the logs are worth fewer independent steps than scenarios take for a covariance.
+    """
+    least = min(one.worth for one in identified.groups)
+    if least < FEWEST_SAMPLES:
+        raise FileFormatError(
+            f"{', '.join(identified.sources)}: is worth about {least:.0f} independent steps, and "
+            f"noise is written from {FEWEST_SAMPLES} on: log more, or what was commanded"
+        )
+
+
 def noise_text(identified: Identification, day: str) -> str:
     """Return what was identified as YAML that a scenario takes as it is.
 
@@ -84,7 +105,13 @@ def noise_text(identified: Identification, day: str) -> str:
     str
         ``defaults`` or ``vehicles``; from what and when, and what the format does not take yet, as
         comments.
+
+    Raises
+    ------
+    FileFormatError
+        If the logs tell too little for any scenario.
     """
+    check_worth(identified)
     block = noise_block(identified)
     lines = ["Noise of vehicles, for a scenario."]
     lines += [f"{key}: {_told(entry)}" for key, entry in provenance(identified, day).items()]
@@ -138,7 +165,10 @@ def with_noise(
     ------
     ScenarioError
         If step or dynamics are others than those of the estimates.
+    FileFormatError
+        If the logs tell too little for any scenario.
     """
+    check_worth(identified)
     if abs(scenario.dt - identified.model.dt) > 1e-9 * scenario.dt:
         raise ScenarioError(
             f"is {scenario.dt:g} s, and the noise is that of steps of {identified.model.dt:g} s",
@@ -196,10 +226,10 @@ def _entries(
     for i, (vehicle, entry) in enumerate(zip(scenario.vehicles, given, strict=True)):
         if identified.differ and vehicle.name not in by_name:
             warnings.append(
-                f"vehicle {vehicle.name!r} is in no log, and the others differ: it gets the largest "
-                "noise of any of them"
+                f"vehicle {vehicle.name!r} is in no log, and the others differ: it gets the "
+                "largest noise of any of them"
             )
-        one = by_name[vehicle.name] if vehicle.name in by_name else unknown
+        one = by_name.get(vehicle.name, unknown)
         fields = reordered(vehicle_fields(one, identified)[0], orders[i])
         fields.pop("dynamics", None)
         replaced = {"disturbance", "disturbance_covariance"}

@@ -11,10 +11,10 @@ from radmpc.errors import ScenarioError
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
 from radmpc.identification.sharing import against_others, nearest_covariance, own_part
-from radmpc.identification.unknown import safe_constant
+from radmpc.identification.unknown import growth_of_loop, safe_constant
 from radmpc.records import dataclass
 
-__all__ = ["KEYS", "Block", "noise_block", "reordered", "vehicle_fields"]
+__all__ = ["FEWEST_SAMPLES", "KEYS", "Block", "noise_block", "reordered", "vehicle_fields"]
 
 KEYS: Mapping[str, bool] = {
     "dynamics": True,
@@ -33,7 +33,7 @@ _MOST_SAMPLES = 1000.0
 """Independent steps [-] above which a covariance counts as known: at a risk of 1e-3 the margin
 grows by less than 0.3 % for it."""
 
-_FEWEST_SAMPLES = 3
+FEWEST_SAMPLES = 3
 """Least that scenarios take [-]."""
 
 _DIGITS = 6
@@ -79,7 +79,7 @@ def noise_block(identified: Identification) -> Block:
     least = min(one.worth for one in identified.groups)
     if least < _MOST_SAMPLES:
         place = content if KEYS["covariance_samples"] else pending
-        place["covariance_samples"] = max(round(least), _FEWEST_SAMPLES)
+        place["covariance_samples"] = max(round(least), FEWEST_SAMPLES)
     shared = identified.shared
     if shared is not None and shared.is_sure:
         common: Fields = {
@@ -184,7 +184,8 @@ def _fields(one: Estimate, identified: Identification) -> Fields:
     else:
         constant = _short(safe_constant(one.time_constant))
         fields["disturbance"] = {"covariance": _rows(own), "time_constant": constant}
-    if one.gain is not None and one.gain.excludes_zero:
+    is_told = one.gain is not None and one.gain.excludes_zero
+    if one.gain is not None and is_told and growth_of_loop(one.gain, model) <= 1.0:
         fields["feedback"] = {"gain": [[_short(entry) for entry in row] for row in one.gain.value]}
     if one.has_drift:
         fields["drift"] = _drift(one, identified)
