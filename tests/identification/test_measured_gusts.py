@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from radmpc.console.reports.noise import noise_report
 from radmpc.identification import identify
 from radmpc.importing.logs.block import noise_block
 from simulator import Truth, fly
@@ -76,3 +77,16 @@ def test_a_time_constant_that_is_hardly_known_is_written_as_its_upper_end() -> N
     disturbance = noise_block(found).content["defaults"]["disturbance"]
     assert disturbance["time_constant"] == pytest.approx(float(constant.high), rel=1e-4)
     assert any("upper end" in s for s in found.unknown if s.startswith("time constant: "))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_measurement_noise_in_a_loop_leaves_no_more_than_an_upper_bound(seed: int) -> None:
+    truth = Truth(steps=1000, seen=(0.05, 0.05, 0.005, 0.005))
+    found = identify(fly(truth, seed, "references"))
+    pooled = found.pooled
+    assert pooled.is_bound
+    assert np.all(is_in(pooled.covariance, truth.spread))
+    assert not np.diag(pooled.covariance.low).any()
+    assert any("the covariance holds both" in sentence for sentence in found.unknown)
+    assert any("at most" in cell for cell in noise_report(found)[3].columns[0].cells)
+    assert not identify(fly(Truth(steps=1000), seed, "references")).pooled.is_bound

@@ -10,12 +10,21 @@ from radmpc.arrays import Indices, Matrix
 from radmpc.identification.drift import SURE, current, mean_of_steps
 from radmpc.identification.intervals import (
     Interval,
+    bound_alone,
     covariance_interval,
     placed,
     widened,
+    worth_of,
 )
 from radmpc.identification.model import StepModel
-from radmpc.identification.regression import Fit, feedback, feedback_chance, fit, time_constant
+from radmpc.identification.regression import (
+    LEAST_CHANCE,
+    Fit,
+    feedback,
+    feedback_chance,
+    fit,
+    time_constant,
+)
 from radmpc.identification.segments import (
     Evidence,
     Segment,
@@ -85,6 +94,8 @@ class Estimate:
         The states that these columns belong to; empty where they are fewer than states that change.
     noise : tuple
         Per segment of the group, in the order given: first step and residuals with mean zero.
+    is_bound : bool
+        Whether W holds more than disturbances, which maneuvers or measurement noise hide.
     """
 
     vehicles: tuple[str, ...]
@@ -104,6 +115,7 @@ class Estimate:
     residuals: Matrix
     residual_states: tuple[int, ...]
     noise: tuple[tuple[str, int, Matrix], ...]
+    is_bound: bool = False
 
 
 def estimate(
@@ -194,7 +206,11 @@ def _of_moving(
     found = _widened(found, np.sqrt(1.0 + more), np.sqrt(1.0 + more * max(share, 0.0)))
     covariance, worth = _spread(found, kind, model, 1.0 + more * max(share, 0.0))
     if measured is not None:
-        covariance, worth = measured.disturbance, min(worth, _worth(measured.disturbance))
+        covariance, worth = measured.disturbance, min(worth, worth_of(measured.disturbance))
+    chance = feedback_chance(found, y, h, follows) if h.shape[1] else float("nan")
+    is_bound = evidence == "references" and (first.first_score < -SURE or chance < LEAST_CHANCE)
+    if is_bound:
+        covariance = bound_alone(covariance)
     gain, gain_share = feedback(found, group, evidence)
     drift, has_drift = mean_of_steps(found, y, model, evidence)
     return Estimate(
@@ -206,7 +222,7 @@ def _of_moving(
         has_drift=has_drift,
         gain=gain,
         gain_share=gain_share,
-        gain_chance=feedback_chance(found, y, h, follows) if h.shape[1] else float("nan"),
+        gain_chance=chance,
         color=found.color,
         time_constant=_time_constant(found, measured, model.dt),
         measurement=None if measured is None else measured.measurement,
@@ -215,6 +231,7 @@ def _of_moving(
         residuals=white,
         residual_states=tuple(moving.tolist()) if len(moving) == white.shape[1] else (),
         noise=_noise(found.noise, group),
+        is_bound=is_bound or evidence == "states",
     )
 
 
@@ -275,10 +292,3 @@ def _spread(
     independent = max(free * (1.0 - color**2) / (1.0 + color**2) / alike, 1.0)
     worth, least, most = scatter(kind, independent)
     return widened(covariance_interval(covariance, worth), least, most), worth
-
-
-def _worth(covariance: Interval) -> float:
-    """Return how many independent steps would tell the variances as well, on average."""
-    variances = np.maximum(np.diag(covariance.value), 1e-300)
-    deviations = np.maximum(np.diag(covariance.high - covariance.low) / 3.92, 1e-300)
-    return max(float(np.median(2.0 * (variances / deviations) ** 2)), 1.0)

@@ -18,7 +18,15 @@ from radmpc.identification.intervals import Interval, normal_interval
 from radmpc.identification.segments import Evidence, Transitions
 from radmpc.records import dataclass
 
-__all__ = ["LEAST_EXPLAINED", "Fit", "feedback", "feedback_chance", "fit", "time_constant"]
+__all__ = [
+    "LEAST_CHANCE",
+    "LEAST_EXPLAINED",
+    "Fit",
+    "feedback",
+    "feedback_chance",
+    "fit",
+    "time_constant",
+]
 
 _MOST_COLOR = 0.995
 """Largest autocorrelation [-] from step to step that is looked for: beyond it noise and drift
@@ -26,6 +34,9 @@ cannot be told apart in logs of any length."""
 
 _GRID = 24
 """Autocorrelations that are tried before the best is refined."""
+
+LEAST_CHANCE = 0.01
+"""Probability [-] below which a closed loop is not that of a double integrator with feedback."""
 
 LEAST_EXPLAINED = 0.9
 """Share of the corrections [-] that feedback must explain to be their law: lags and filters in a

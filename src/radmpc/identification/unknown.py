@@ -7,13 +7,11 @@ import numpy as np
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.intervals import Interval
 from radmpc.identification.model import StepModel
+from radmpc.identification.regression import LEAST_CHANCE
 from radmpc.identification.segments import Evidence
 from radmpc.identification.sharing import Shared
 
 __all__ = ["growth_of_loop", "misfit_of_color", "safe_constant", "unknowns"]
-
-_DOUBT = 0.01
-"""Probability [-] below which a closed loop is not that of a double integrator with feedback."""
 
 _ROUNDING = 1e-6
 """Growth of deviations from step to step [-] that is none: of axes without feedback it is 1."""
@@ -116,7 +114,7 @@ def _of_references(identified: Estimate, model: StepModel) -> list[str]:
     sentences = []
     if identified.gain is not None and not identified.gain.excludes_zero:
         sentences.append("feedback: deviations come back no faster than by chance")
-    if identified.gain_chance < _DOUBT:
+    if identified.gain_chance < LEAST_CHANCE:
         sentences.append(
             "feedback: the closed loop is not that of a double integrator with K alone (lags, "
             "integrators or measurement noise in the loop); K is the nearest"
@@ -126,6 +124,11 @@ def _of_references(identified: Estimate, model: StepModel) -> list[str]:
             "time constant: without velocities a lasting disturbance and slow feedback look alike"
             if not model.has_velocity
             else "time constant: the residuals are nearly white"
+        )
+    if identified.is_bound:
+        sentences.append(
+            "disturbance apart from measurement noise and lags of the loop: the covariance holds "
+            "both, and is too large; log the commands"
         )
     sentences.append(
         "measurement noise: it enters through the feedback, too; log the commands"

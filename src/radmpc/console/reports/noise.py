@@ -172,7 +172,7 @@ def _rows(one: Estimate, identified: Identification) -> Iterator[Row]:
     model, d = identified.model, identified.model.dimension
     names = [*"xyz"[:d], *(f"v{axis}" for axis in "xyz"[:d])][: model.num_states]
     units = ["m"] * d + ["m/s"] * d
-    upper = " at most" if identified.evidence == "states" else ""
+    upper = " at most" if one.is_bound else ""
     for i, name in enumerate(names):
         yield _root(f"disturbance of {name}, std. dev.{upper}", one.covariance, i, units[i])
     yield from _correlations(one.covariance, names)
