@@ -41,7 +41,7 @@ class Mixed:
     entries : (m,) array
         The likeliest.
     value : float
-        Their log-likelihood.
+        Largest log-likelihood, as if covariances might be indefinite.
     """
 
     color: float
@@ -105,7 +105,8 @@ class Mixture:
             likelihood = Whittle(seen._replace(loss=seen.loss * self._repeated), units)
             near = min(self._known.values(), key=lambda one: abs(one.color - color), default=None)
             start = self._start if near is None else near.entries
-            self._known[color] = Mixed(color, likelihood, *likelihood.likeliest(start))
+            entries = likelihood.likeliest(start)
+            self._known[color] = Mixed(color, likelihood, entries, likelihood.peak(entries))
         return self._known[color]
 
     def best(self) -> Mixed:

@@ -57,8 +57,8 @@ class Whittle:
     seen: Spectra
     units: tuple[Matrix, ...]
 
-    def likeliest(self, start: Vector) -> tuple[Vector, float]:
-        """Return the likeliest entries by Fisher scoring, and their log-likelihood.
+    def likeliest(self, start: Vector) -> Vector:
+        """Return the likeliest entries by Fisher scoring.
 
         Parameters
         ----------
@@ -79,7 +79,7 @@ class Whittle:
             if share <= _LEAST_SHARE:
                 break
             entries, value = entries + share * step, found
-        return entries, value
+        return entries
 
     def unbounded(self, entries: Vector) -> tuple[Vector, Vector]:
         """Return the likeliest entries as if covariances might be indefinite, with deviations.
@@ -93,6 +93,21 @@ class Whittle:
         inverse = np.linalg.pinv(information[0], hermitian=True)
         deviations = np.sqrt(np.maximum(np.diag(inverse), 0.0) * self.seen.loss)
         return entries + inverse @ gradient[0], deviations
+
+    def peak(self, entries: Vector) -> float:
+        """Return the largest log-likelihood as if covariances might be indefinite.
+
+        What favors positive definite ones does not decide between kinds of noise.
+
+        Parameters
+        ----------
+        entries : (m,) array
+            The likeliest ones: from there the others are a single step away.
+        """
+        gradient, information = self._slopes(entries[None], 0.0)
+        step = np.linalg.pinv(information[0], hermitian=True) @ gradient[0]
+        value = float(self._values(entries[None], 0.0)[0])
+        return value + 0.5 * float(gradient[0] @ step)
 
     def upper_ends(self, entries: Vector, which: Indices) -> Vector:
         """Return the upper ends of some entries' intervals, by what the likelihood loses to them.
@@ -146,7 +161,7 @@ class Whittle:
         expected = entries @ self.seen.basis.reshape(begin, -1)
         return found, expected.reshape(len(entries), bands, n, n)
 
-    def _values(self, entries: Matrix) -> Vector:
+    def _values(self, entries: Matrix, weight: float = _PRIOR) -> Vector:
         """Return log-likelihoods; -inf where a covariance is not positive definite."""
         parts, expected = self._parts(entries)
         own = np.concatenate([np.linalg.eigvalsh(part) for _, part in parts], axis=1)
@@ -157,7 +172,7 @@ class Whittle:
         inverse = np.linalg.inv(expected[is_fine])
         rest = np.einsum("mkij,kji->mk", inverse, self.seen.powers).real
         rest += np.linalg.slogdet(expected[is_fine])[1]
-        prior = _PRIOR * np.log(own[is_fine]).sum(axis=1)
+        prior = weight * np.log(own[is_fine]).sum(axis=1)
         values[is_fine] = prior - rest @ self.seen.weights
         return values
 
