@@ -71,7 +71,7 @@ def test_a_second_sensor_of_positions_does_not_hide_noise_of_velocities(color: f
 
 def test_a_time_constant_that_is_hardly_known_is_written_as_its_upper_end() -> None:
     truth = Truth(steps=200, color=0.9, seen=SEEN)
-    found = identify(fly(truth, 4))
+    found = identify(fly(truth, 5))
     constant = found.pooled.time_constant
     assert float(constant.high) > 2.0 * float(constant.value)
     disturbance = noise_block(found).content["defaults"]["disturbance"]

@@ -34,7 +34,7 @@ from radmpc.identification.segments import (
 )
 from radmpc.identification.small_sample import without_bias
 from radmpc.identification.spectral.fleet import repetition
-from radmpc.identification.spectral.measurement import Measured, measured_noise
+from radmpc.identification.spectral.measurement import Measured, measured_noise, with_memory
 from radmpc.identification.tails import Tails, scatter, tails
 from radmpc.identification.whiteness import (
     LEAST_CHANGE,
@@ -182,49 +182,33 @@ def _of_moving(
     group: Sequence[Transitions], model: StepModel, evidence: Evidence, share: float
 ) -> Estimate:
     """Return what a group has in common, all axes of which move."""
-    all_segments = [segment for one in group for segment in one.segments]
-    y, h, follows = stacked(all_segments)
-    found = fit(y, h, follows, model.B, has_color=False)
-    pieces = _pieces(whitened(found.innovations), all_segments)
-    first = autocorrelation(pieces)
-    measured = None
-    if evidence == "commands":
-        offsets = [segment.offset for segment in all_segments]
-        measured = measured_noise(
-            _pieces(found.noise, all_segments), offsets, model, repetition(group, pieces)
-        )
-    can_color = evidence == "commands" or (evidence == "references" and model.has_velocity)
-    if measured is not None:
-        found = _beside(found, measured)
-    elif can_color and first.first_score > SURE and first.first > _LEAST_COLOR:
-        found = fit(y, h, follows, model.B, has_color=True)
-    elif evidence == "references":
-        found = without_bias(found, h, follows, model)
+    y, h, follows = stacked([segment for one in group for segment in one.segments])
+    found, measured, first = _explained(group, model, evidence)
     white, moving = whitened(found.innovations), moving_states(found.innovations)
     kind = None if evidence == "states" else tails([white])
     more = (len(group) - 1) * max(share, 0.0)
     found = _widened(found, np.sqrt(1.0 + more), np.sqrt(1.0 + more * max(share, 0.0)))
     covariance, worth = _spread(found, kind, model, 1.0 + more * max(share, 0.0))
+    constant = time_constant(found, model.dt)
     if measured is not None:
         covariance, worth = measured.disturbance, min(worth, worth_of(measured.disturbance))
+        constant = measured.time_constant(model.dt)
     chance = feedback_chance(found, y, h, follows) if h.shape[1] else float("nan")
     is_bound = evidence == "references" and (first.first_score < -SURE or chance < LEAST_CHANCE)
-    if is_bound:
-        covariance = bound_alone(covariance)
     gain, gain_share = feedback(found, group, evidence)
     drift, has_drift = mean_of_steps(found, y, model, evidence)
     return Estimate(
         vehicles=tuple(one.name for one in group),
         num_steps=len(y),
         worth=worth,
-        covariance=covariance,
+        covariance=bound_alone(covariance) if is_bound else covariance,
         drift=drift,
         has_drift=has_drift,
         gain=gain,
         gain_share=gain_share,
         gain_chance=chance,
         color=found.color,
-        time_constant=_time_constant(found, measured, model.dt),
+        time_constant=constant,
         measurement=None if measured is None else measured.measurement,
         tails=kind,
         autocorrelation=first,
@@ -235,25 +219,27 @@ def _of_moving(
     )
 
 
-def _beside(found: Fit, measured: Measured) -> Fit:
-    """Return a fit whose drift is as unsure as the memory of the disturbance leaves it."""
-    if measured.color is None:
-        return found
-    color, variances = float(measured.color.value), np.diag(measured.disturbance.value)
-    lasting = variances * (1.0 + color) / (1.0 - color) / len(found.noise)
-    return replace(
-        found, color=color, drift_deviation=np.hypot(found.drift_deviation, lasting**0.5)
-    )
-
-
-def _time_constant(found: Fit, measured: Measured | None, dt: float) -> Interval | None:
-    """Return the time constant of the disturbance [s], None if it is white."""
-    if measured is None:
-        return time_constant(found, dt)
-    if measured.color is None:
-        return None
-    parts = (measured.color.value, measured.color.low, measured.color.high)
-    return Interval(*(np.asarray(-dt / np.log(part)) for part in parts))
+def _explained(
+    group: Sequence[Transitions], model: StepModel, evidence: Evidence
+) -> tuple[Fit, Measured | None, Autocorrelation]:
+    """Return the fit that goes with what residuals look like, and how these follow each other."""
+    all_segments = [segment for one in group for segment in one.segments]
+    y, h, follows = stacked(all_segments)
+    found = fit(y, h, follows, model.B, has_color=False)
+    pieces = _pieces(whitened(found.innovations), all_segments)
+    first = autocorrelation(pieces)
+    if evidence == "commands":
+        offsets = [segment.offset for segment in all_segments]
+        noise, repeated = _pieces(found.noise, all_segments), repetition(group, pieces)
+        measured = measured_noise(noise, offsets, model, repeated)
+        if measured is not None:
+            return with_memory(found, measured), measured, first
+    can_color = evidence == "commands" or (evidence == "references" and model.has_velocity)
+    if can_color and first.first_score > SURE and first.first > _LEAST_COLOR:
+        found = fit(y, h, follows, model.B, has_color=True)
+    elif evidence == "references":
+        found = without_bias(found, h, follows, model)
+    return found, None, first
 
 
 def _pieces(rows: Matrix, all_segments: Sequence[Segment]) -> list[Matrix]:

@@ -59,6 +59,7 @@ def _group_json(one: Estimate) -> dict[str, object]:
         "vehicles": list(one.vehicles),
         "steps": one.num_steps,
         "independent_steps": one.worth,
+        "is_bound": one.is_bound,
         "covariance": _interval_json(one.covariance),
         "drift": _interval_json(one.drift),
         "has_drift": one.has_drift,

@@ -15,12 +15,13 @@ from scipy.special import chdtrc, chdtri
 from radmpc.arrays import Matrix
 from radmpc.identification.intervals import LEVEL, Interval
 from radmpc.identification.model import StepModel
+from radmpc.identification.regression import Fit
 from radmpc.identification.spectral.mixture import Mixture
 from radmpc.identification.spectral.spectra import LEAST_RUN
 from radmpc.identification.whiteness import whitened
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 
-__all__ = ["Measured", "measured_noise"]
+__all__ = ["Measured", "measured_noise", "with_memory"]
 
 _LAGS = 5
 """Steps over which residuals are looked at for being white."""
@@ -49,6 +50,19 @@ class Measured:
     disturbance: Interval
     measurement: Interval
     color: Interval | None
+
+    def time_constant(self, dt: float) -> Interval | None:
+        """Return the time constant of the disturbance [s], None if it is white.
+
+        Parameters
+        ----------
+        dt : float
+            Step [s].
+        """
+        if self.color is None:
+            return None
+        parts = (self.color.value, self.color.low, self.color.high)
+        return Interval(*(np.asarray(-dt / np.log(part)) for part in parts))
 
 
 def measured_noise(
@@ -84,11 +98,32 @@ def measured_noise(
     mixture = Mixture(runs, model, repeated)
     white = mixture.at(0.0)
     best = mixture.best()
-    has_memory = 2.0 * (best.value - white.value) > float(chdtri(1.0, 1.0 - LEVEL)) * white.loss
+    # By either likelihood: where one covariance is nearly none, one of them says too much.
+    gain = min(best.value - white.value, best.peak - white.peak)
+    has_memory = 2.0 * gain > float(chdtri(1.0, 1.0 - LEVEL)) * white.loss
     found = best if has_memory else white
     if not np.any(mixture.scores(found) > _SIGN):
         return None
     return Measured(*mixture.intervals(found, has_memory=has_memory))
+
+
+def with_memory(found: Fit, measured: Measured) -> Fit:
+    """Return a fit whose drift is as unsure as the memory of the disturbance leaves it.
+
+    Parameters
+    ----------
+    found : Fit
+        Without memory.
+    measured : Measured
+        What residuals are made of.
+    """
+    if measured.color is None:
+        return found
+    color, variances = float(measured.color.value), np.diag(measured.disturbance.value)
+    lasting = variances * (1.0 + color) / (1.0 - color) / len(found.noise)
+    return replace(
+        found, color=color, drift_deviation=np.hypot(found.drift_deviation, lasting**0.5)
+    )
 
 
 def _whiteness(pieces: Sequence[Matrix], repeated: float) -> float:

@@ -40,14 +40,15 @@ class Mixed:
         Of covariances.
     entries : (m,) array
         The likeliest.
-    value : float
-        Largest log-likelihood, as if covariances might be indefinite.
+    value, peak : float
+        Their log-likelihood, and the largest as if covariances might be indefinite.
     """
 
     color: float
     likelihood: Whittle
     entries: Vector
     value: float
+    peak: float
 
     @property
     def loss(self) -> float:
@@ -105,8 +106,8 @@ class Mixture:
             likelihood = Whittle(seen._replace(loss=seen.loss * self._repeated), units)
             near = min(self._known.values(), key=lambda one: abs(one.color - color), default=None)
             start = self._start if near is None else near.entries
-            entries = likelihood.likeliest(start)
-            self._known[color] = Mixed(color, likelihood, entries, likelihood.peak(entries))
+            entries, value = likelihood.likeliest(start)
+            self._known[color] = Mixed(color, likelihood, entries, value, likelihood.peak(entries))
         return self._known[color]
 
     def best(self) -> Mixed:
@@ -119,7 +120,7 @@ class Mixture:
             lambda place: -self._along(place), ends, bounds=ends, method="bounded",
             options={"xatol": _CLOSE},
         )  # fmt: skip
-        return max(self.at(_color(float(found.x))), self.at(_color(grid[at])), key=_value)
+        return max(self.at(_color(float(found.x))), self.at(_color(grid[at])), key=_peak)
 
     def scores(self, found: Mixed) -> Vector:
         """Return variances of the measurement noise in their standard deviations, (n,).
@@ -171,7 +172,7 @@ class Mixture:
 
     def _along(self, place: float) -> float:
         """Return the log-likelihood by the logarithm of the time constant in steps."""
-        return self.at(_color(float(place))).value
+        return self.at(_color(float(place))).peak
 
     def _ends(self, found: Mixed) -> tuple[Vector, Vector]:
         """Return the ends of the intervals of W's and R's entries with one autocorrelation."""
@@ -189,7 +190,7 @@ class Mixture:
 
     def _colors(self, found: Mixed) -> Interval:
         """Return the autocorrelation between ends that the likelihood hardly allows."""
-        wanted = found.value - 0.5 * float(chdtri(1.0, 1.0 - LEVEL)) * found.loss
+        wanted = found.peak - 0.5 * float(chdtri(1.0, 1.0 - LEVEL)) * found.loss
         middle = float(np.log(-1.0 / np.log(found.color)))
         ends = []
         for end in (np.log(_SHORTEST), np.log(_LONGEST)):
@@ -205,9 +206,9 @@ def _color(place: float) -> float:
     return float(np.exp(-np.exp(-place)))
 
 
-def _value(one: Mixed) -> float:
-    """Return a log-likelihood."""
-    return one.value
+def _peak(one: Mixed) -> float:
+    """Return the largest log-likelihood."""
+    return one.peak
 
 
 def _units(n: int) -> Matrix:

@@ -57,8 +57,8 @@ class Whittle:
     seen: Spectra
     units: tuple[Matrix, ...]
 
-    def likeliest(self, start: Vector) -> Vector:
-        """Return the likeliest entries by Fisher scoring.
+    def likeliest(self, start: Vector) -> tuple[Vector, float]:
+        """Return the likeliest entries by Fisher scoring, and their log-likelihood.
 
         Parameters
         ----------
@@ -79,7 +79,7 @@ class Whittle:
             if share <= _LEAST_SHARE:
                 break
             entries, value = entries + share * step, found
-        return entries
+        return entries, value
 
     def unbounded(self, entries: Vector) -> tuple[Vector, Vector]:
         """Return the likeliest entries as if covariances might be indefinite, with deviations.
