@@ -90,3 +90,8 @@ def test_measurement_noise_in_a_loop_leaves_no_more_than_an_upper_bound(seed: in
     assert any("the covariance holds both" in sentence for sentence in found.unknown)
     assert any("at most" in cell for cell in noise_report(found)[3].columns[0].cells)
     assert not identify(fly(Truth(steps=1000), seed, "references")).pooled.is_bound
+
+
+def test_memory_as_long_as_can_be_told_is_called_so() -> None:
+    found = identify(fly(Truth(steps=400, color=0.997, seen=SEEN), 6))
+    assert any(sentence.startswith("time constant above 99.5 s") for sentence in found.unknown)

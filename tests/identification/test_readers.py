@@ -100,8 +100,11 @@ def test_lines_are_counted_as_the_file_has_them(tmp_path: Path) -> None:
 
 def test_a_column_stands_for_one_thing(tmp_path: Path) -> None:
     path = csv(tmp_path, "t,east\n0,1\n")
-    with pytest.raises(ScenarioError, match="columns: must name every column once, got 'east'"):
+    message = "columns: must name every column once, got 'east' for x and for y"
+    with pytest.raises(ScenarioError, match=message):
         read_logs([path], {"time": "t", "x": "east", "y": "east"})
+    with pytest.raises(ScenarioError, match="got 'y' for x and for y"):
+        read_logs([csv(tmp_path, "time,y\n0,1\n")], {"x": "y"})
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,9 @@ __all__ = ["growth_of_loop", "misfit_of_color", "safe_constant", "unknowns"]
 _ROUNDING = 1e-6
 """Growth of deviations from step to step [-] that is none: of axes without feedback it is 1."""
 
+_LONGEST = 199.0
+"""Time constants [steps] beyond which none is looked for."""
+
 _VAGUE = 2.0
 """Ratio [-] of a time constant's upper end to its value beyond which it is hardly known."""
 
@@ -54,6 +57,10 @@ def unknowns(
         sentences.append(
             "time constant: its interval is wide, and the block holds its upper end, "
             f"{float(constant.high):.3g} s"
+        )
+    if constant is not None and constant.high >= _LONGEST * model.dt:
+        sentences.append(
+            f"time constant above {_LONGEST * model.dt:.3g} s: what lasts so long looks like drift"
         )
     if num_vehicles < 2:
         sentences.append("shared noise: the logs are of one vehicle")

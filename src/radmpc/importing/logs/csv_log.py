@@ -88,16 +88,12 @@ def read_csv(path: Path, columns: Mapping[str, str]) -> Recording:
     FileFormatError
         If columns are missing or a cell is no number; with its line.
     ScenarioError
-        If ``columns`` names what is not known here.
+        If ``columns`` names what is not known here, or a column twice.
     """
     unknown = [name for name in columns if name not in COLUMNS]
     if unknown:
         allowed = ", ".join(COLUMNS)
         raise ScenarioError(f"must name some of {allowed}; got {unknown[0]!r}", ("columns",))
-    names = list(columns.values())
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise ScenarioError(f"must name every column once, got {twice!r} twice", ("columns",))
     text = read_text(path)
     if not text.strip():
         raise refusal(path, "is empty")
@@ -152,6 +148,11 @@ def _places(path: Path, header: Sequence[str], columns: Mapping[str, str]) -> di
             found[name] = header.index(called)
         elif name in columns or name in _NEEDED:
             raise MissingColumnError(path, name, header, columns)
+        at = found.get(name)
+        other = next((key for key, place in found.items() if key != name and place == at), None)
+        if other is not None:
+            called = f"{header[found[name]]!r} for {other} and for {name}"
+            raise ScenarioError(f"must name every column once, got {called}", ("columns",))
     for form in _PARTS.values():
         names = [form.format(axis=axis) for axis in _AXES]
         given = [name for name in names if name in found]
