@@ -86,7 +86,7 @@ def check_worth(identified: Identification) -> None:
     if least < FEWEST_SAMPLES:
         raise FileFormatError(
             f"{', '.join(identified.sources)}: is worth about {least:.0f} independent steps, and "
-            f"noise is written from {FEWEST_SAMPLES} on: log more, or what was commanded"
+            f"noise is written from {FEWEST_SAMPLES} on: log more"
         )
 
 
