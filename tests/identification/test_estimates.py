@@ -113,7 +113,7 @@ def test_a_second_sensor_tells_the_noise_of_the_first() -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_no_variance_is_negative_where_a_second_sensor_hides_the_disturbance(seed: int) -> None:
-    truth = Truth(steps=300, scale=0.05)
+    truth = Truth(steps=300, scale=0.01)
     [track] = fly(truth, seed)
     rng = np.random.default_rng(seed)
     shape = track.positions.shape

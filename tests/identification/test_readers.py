@@ -78,6 +78,36 @@ def test_cells_that_say_nothing_are_no_numbers(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    "text",
+    [
+        "\n\r\n" + f"{HEAD}0,a,1,2,3,4\n\n1,a,2,3,4,5\n",
+        HEAD.upper() + "0,a,1,2,3,4\n1,a,2,3,4,5\n",
+        f"{HEAD.strip()},\n0,a,1,2,3,4,\n1,a,2,3,4,5,\n",
+    ],
+    ids=["blank lines", "capitals", "delimiters at the ends"],
+)
+def test_csv_may_look_a_little_different(tmp_path: Path, text: str) -> None:
+    found = read_logs([csv(tmp_path, text)])
+    assert found.warnings == ()
+    [track] = found.tracks
+    assert track.velocities.tolist() == [[3.0, 4.0], [4.0, 5.0]]
+
+
+def test_lines_are_counted_as_the_file_has_them(tmp_path: Path) -> None:
+    with pytest.raises(FileFormatError, match="line 4: x must be a number"):
+        read_logs([csv(tmp_path, f"\n\n{HEAD}0,a,one,2,3,4\n")])
+
+
+def test_a_column_stands_for_one_thing(tmp_path: Path) -> None:
+    path = csv(tmp_path, "t,east\n0,1\n")
+    message = "columns: must name every column once, got 'east' for x and for y"
+    with pytest.raises(ScenarioError, match=message):
+        read_logs([path], {"time": "t", "x": "east", "y": "east"})
+    with pytest.raises(ScenarioError, match="got 'y' for x and for y"):
+        read_logs([csv(tmp_path, "time,y\n0,1\n")], {"x": "y"})
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "is empty"),
@@ -93,7 +123,11 @@ def test_cells_that_say_nothing_are_no_numbers(tmp_path: Path) -> None:
         ("time,x,y,vx,vy,vz\n0,1,2,3,4,5\n", "has a column 'vz', but no column 'z'"),
         (f"{HEAD}0,a,1,2,3\n", "line 2: has 5 cells, the header 6"),
         (f"{HEAD}0,a,1,2,3,4\n1,a,1,two,3,4\n", "line 3: y must be a number, got 'two'"),
-        (f"{HEAD}0,,1,2,3,4\n", "has rows without the name of a vehicle"),
+        (f"{HEAD}0,a,1,2,3,4\n1,,1,2,3,4\n", "line 3: has no name of a vehicle"),
+        (
+            "0.0,a,1,2\n0.5,a,1,2\n",
+            "begins with numbers: its first line must name columns: time, x, y",
+        ),
     ],
 )
 def test_a_broken_csv_is_one_line(tmp_path: Path, text: str, message: str) -> None:

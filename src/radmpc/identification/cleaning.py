@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Matrix
 from radmpc.errors import FileFormatError
+from radmpc.identification.axes import check_axes, check_still
 from radmpc.identification.track import Track
 
 __all__ = ["clean", "without_copies"]
@@ -15,23 +15,18 @@ _LEAST_SHARE, _LEAST_SAMPLES = 0.2, 40
 """Share [-] and number of samples below which a part that is mostly missing counts as not logged:
 else the rest goes instead, such as the time on the ground, where nothing is commanded."""
 
-_UNIT_RATIO = 3.0
-"""Factor [-] between distances covered and velocities above which units are wrong: 3.6 between
-km/h and m/s is found, a velocity that lags or is smoothed passes."""
-
-_LEAST_MOTION = 0.5
-"""Share of the spread of displacements [-] that velocities must explain, by whatever factor, before
-their units are judged: of a vehicle at rest they tell nothing."""
-
-_WINDOW = 20
-"""Samples over which distances are compared: noise averages out, motion adds up."""
-
 _COPIED = 1e-9
 """Distance between references and states, over the largest of these, at which those are copies
 of these [-]."""
 
-_LONGEST_PERIOD, _SHORTEST_PERIOD = 600.0, 1e-5
+_LONGEST_PERIOD, _SHORTEST_PERIOD = 60.0, 1e-5
 """Time between two samples [s] beyond which times are hardly in seconds."""
+
+_LATEST = 1e11
+"""Times [s] that no clock has yet: 3000 years after 1970."""
+
+_LEAST_STEP, _FARTHEST = 1e-4, 180.0
+"""Median way between two samples [m], and place, that look like degrees."""
 
 
 def clean(track: Track, *, dimension: int | None = None) -> tuple[Track | None, tuple[str, ...]]:
@@ -64,7 +59,7 @@ def clean(track: Track, *, dimension: int | None = None) -> tuple[Track | None, 
         return None, (f"{track.where}: has no data, and is left out",)
     found = _in_order(found, warnings)
     found = _without_constants(found, warnings)
-    _check_units(found)
+    warnings += check_axes(found)
     _check_period(found, warnings)
     return found, tuple(warnings)
 
@@ -140,9 +135,12 @@ def _in_order(track: Track, warnings: list[str]) -> Track:
     forward = np.diff(track.times)
     if np.any(forward < 0.0):
         at = int(np.argmax(forward < 0.0)) + 1
+        cause = "are these two logs in one?"
+        if np.all(forward <= 0.0):
+            cause = "the whole log does: turn its rows and times around"
         raise FileFormatError(
             f"{track.where}: time runs backwards at sample {at + 1}: {track.times[at]:.9g} s after "
-            f"{track.times[at - 1]:.9g} s; are these two logs in one?"
+            f"{track.times[at - 1]:.9g} s; {cause}"
         )
     is_new = np.concatenate([[True], forward > 0.0])
     repeated = int((~is_new).sum())
@@ -158,13 +156,11 @@ def _in_order(track: Track, warnings: list[str]) -> Track:
 
 def _without_constants(track: Track, warnings: list[str]) -> Track:
     """Tell what never changes; velocities that never change were not measured."""
+    warnings += check_still(track)
     is_still = np.ptp(track.positions, axis=0) == 0.0
-    if is_still.all() and track.times.size > 1:
-        raise FileFormatError(f"{track.where}: its position never changes: nothing to learn")
-    for axis in np.flatnonzero(is_still) if track.times.size > 1 else ():
-        told = f"{'xyz'[axis]} never changes: its noise cannot be told, and is taken as 0"
-        warnings.append(f"{track.where}: {told}")
-    velocities = track.velocities
+    references, velocities = track.references, track.velocities
+    if references is not None and track.times.size > 1 and not np.ptp(references, axis=0).any():
+        warnings.append(f"{track.where}: references never change: were they logged?")
     if velocities is None or track.times.size < 2:
         return track
     if np.any((np.ptp(velocities, axis=0) == 0.0) & ~is_still):
@@ -173,40 +169,27 @@ def _without_constants(track: Track, warnings: list[str]) -> Track:
     return track
 
 
-def _check_units(track: Track) -> None:
-    """Refuse velocities that contradict the positions by a factor."""
-    if track.velocities is None or track.times.size < 3:
-        return
-    seconds = np.diff(track.times)[:, None]
-    moved = np.diff(track.positions, axis=0)
-    told = 0.5 * (track.velocities[1:] + track.velocities[:-1]) * seconds
-    window = min(_WINDOW, max(len(moved) // 5, 1))
-    moved, told = _summed(moved, window), _summed(told, window)
-    size, product = float(np.sum(told**2)), float(np.sum(told * moved))
-    explained = product**2 / max(size * float(np.sum(moved**2)), 1e-300)
-    if size <= 0.0 or explained < _LEAST_MOTION:
-        return
-    ratio = product / size
-    if not 1.0 / _UNIT_RATIO < ratio < _UNIT_RATIO:
-        raise FileFormatError(
-            f"{track.where}: moves {ratio:.3g} times as far as its velocities say: are times in s, "
-            "positions in m and velocities in m/s, along the same axes?"
-        )
-
-
-def _summed(rows: Matrix, window: int) -> Matrix:
-    """Return sums of so many successive rows."""
-    total = np.vstack([np.zeros(rows.shape[1]), np.cumsum(rows, axis=0)])
-    return total[window:] - total[:-window]
-
-
 def _check_period(track: Track, warnings: list[str]) -> None:
-    """Tell times that are hardly in seconds."""
+    """Refuse times that are no seconds, tell those that hardly are."""
     if track.times.size < 2:
         return
+    latest = float(track.times[-1])
+    if latest > _LATEST:
+        raise FileFormatError(
+            f"{track.where}: times go up to {latest:.9g}: they must be in seconds, these look like "
+            "milliseconds or less"
+        )
     period = float(np.median(np.diff(track.times)))
     if not _SHORTEST_PERIOD <= period <= _LONGEST_PERIOD:
         warnings.append(f"{track.where}: a sample every {period:.3g} s: are times in seconds?")
+    step = float(np.median(np.abs(np.diff(track.positions, axis=0)).max(axis=1)))
+    size = float(np.abs(track.positions).max())
+    way = float(np.ptp(track.positions, axis=0).max())
+    if 0.0 < step < _LEAST_STEP and 100.0 * way < size < _FARTHEST:
+        warnings.append(
+            f"{track.where}: moves {step:.3g} m from sample to sample: are positions in m, and not "
+            "degrees?"
+        )
 
 
 def _taken(track: Track, which: npt.NDArray[np.bool_]) -> Track:

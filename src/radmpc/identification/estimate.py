@@ -5,21 +5,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import stdtrit
 
 from radmpc.arrays import Indices, Matrix
+from radmpc.identification.drift import SURE, current, mean_of_steps
 from radmpc.identification.intervals import (
-    LEVEL,
-    SIGMAS,
     Interval,
+    bound_alone,
     covariance_interval,
-    normal_interval,
     placed,
     widened,
+    worth_of,
 )
-from radmpc.identification.measurement import measured_noise
 from radmpc.identification.model import StepModel
-from radmpc.identification.regression import Fit, feedback, feedback_chance, fit, time_constant
+from radmpc.identification.regression import (
+    LEAST_CHANCE,
+    Fit,
+    feedback,
+    feedback_chance,
+    fit,
+    time_constant,
+)
 from radmpc.identification.segments import (
     Evidence,
     Segment,
@@ -28,6 +33,8 @@ from radmpc.identification.segments import (
     stacked,
 )
 from radmpc.identification.small_sample import without_bias
+from radmpc.identification.spectral.fleet import repetition
+from radmpc.identification.spectral.measurement import Measured, measured_noise, with_memory
 from radmpc.identification.tails import Tails, scatter, tails
 from radmpc.identification.whiteness import (
     LEAST_CHANGE,
@@ -39,10 +46,6 @@ from radmpc.identification.whiteness import (
 from radmpc.records import dataclass, replace
 
 __all__ = ["Estimate", "estimate"]
-
-SURE = 2.58
-"""Standard deviations [-] beyond which color, drift and the like are taken for real: 1 % by
-chance."""
 
 _LEAST_COLOR = 0.05
 """Autocorrelation [-] from step to step below which noise counts as white, however sure it is:
@@ -69,6 +72,9 @@ class Estimate:
         Whether chance hardly makes it.
     gain : Interval or None
         Feedback K, (d, n), without ends along axes that never move; None where it cannot be told.
+    gain_share : float
+        Share of the corrections that commands hold [-] which feedback explains; NaN where these are
+        not known.
     gain_chance : float
         Probability of such residuals if the closed loop is that of a double integrator with
         feedback [-]; NaN where that was not tried.
@@ -88,6 +94,8 @@ class Estimate:
         The states that these columns belong to; empty where they are fewer than states that change.
     noise : tuple
         Per segment of the group, in the order given: first step and residuals with mean zero.
+    is_bound : bool
+        Whether W holds more than disturbances, which maneuvers or measurement noise hide.
     """
 
     vehicles: tuple[str, ...]
@@ -97,6 +105,7 @@ class Estimate:
     drift: Interval
     has_drift: bool
     gain: Interval | None
+    gain_share: float
     gain_chance: float
     color: float
     time_constant: Interval | None
@@ -106,6 +115,7 @@ class Estimate:
     residuals: Matrix
     residual_states: tuple[int, ...]
     noise: tuple[tuple[str, int, Matrix], ...]
+    is_bound: bool = False
 
 
 def estimate(
@@ -142,7 +152,7 @@ def _beside_still(
     states = model.states_along(axes)
     square, nothing = np.ix_(states, states), Interval(*np.zeros((3, n, n)))
     unknown = np.full((model.dimension, n), np.inf)
-    drift, has_drift = _current(y, model), False
+    drift, has_drift = current(y, model), False
     if evidence != "states":
         drift = placed(found.drift, Interval(means, means, means), (states,))
         still = np.delete(means, states)
@@ -172,46 +182,64 @@ def _of_moving(
     group: Sequence[Transitions], model: StepModel, evidence: Evidence, share: float
 ) -> Estimate:
     """Return what a group has in common, all axes of which move."""
-    all_segments = [segment for one in group for segment in one.segments]
-    y, h, follows = stacked(all_segments)
-    found = fit(y, h, follows, model.B, has_color=False)
-    first = autocorrelation(_pieces(whitened(found.innovations), all_segments))
-    can_color = evidence == "commands" or (evidence == "references" and model.has_velocity)
-    if can_color and first.first_score > SURE and first.first > _LEAST_COLOR:
-        found = fit(y, h, follows, model.B, has_color=True)
-    elif evidence == "references":
-        found = without_bias(found, h, follows, model)
-    measured = None
-    if evidence == "commands":
-        pieces, opposes = _pieces(found.noise, all_segments), first.first_score < -SURE
-        offsets = [segment.offset for segment in all_segments]
-        measured = measured_noise(pieces, offsets, model, opposes=opposes)
+    y, h, follows = stacked([segment for one in group for segment in one.segments])
+    found, measured, first = _explained(group, model, evidence)
     white, moving = whitened(found.innovations), moving_states(found.innovations)
     kind = None if evidence == "states" else tails([white])
     more = (len(group) - 1) * max(share, 0.0)
     found = _widened(found, np.sqrt(1.0 + more), np.sqrt(1.0 + more * max(share, 0.0)))
     covariance, worth = _spread(found, kind, model, 1.0 + more * max(share, 0.0))
+    constant = time_constant(found, model.dt)
     if measured is not None:
-        covariance, worth = measured[0], min(worth, _worth(measured[0]))
-    drift, has_drift = _drift(found, y, model, evidence)
+        covariance, worth = measured.disturbance, min(worth, worth_of(measured.disturbance))
+        constant = measured.time_constant(model.dt)
+    chance = feedback_chance(found, y, h, follows) if h.shape[1] else float("nan")
+    is_bound = evidence == "references" and (first.first_score < -SURE or chance < LEAST_CHANCE)
+    gain, gain_share = feedback(found, group, evidence)
+    drift, has_drift = mean_of_steps(found, y, model, evidence)
     return Estimate(
         vehicles=tuple(one.name for one in group),
         num_steps=len(y),
         worth=worth,
-        covariance=covariance,
+        covariance=bound_alone(covariance) if is_bound else covariance,
         drift=drift,
         has_drift=has_drift,
-        gain=feedback(found, group, evidence),
-        gain_chance=feedback_chance(found, y, h, follows) if h.shape[1] else float("nan"),
+        gain=gain,
+        gain_share=gain_share,
+        gain_chance=chance,
         color=found.color,
-        time_constant=time_constant(found, model.dt),
-        measurement=None if measured is None else measured[1],
+        time_constant=constant,
+        measurement=None if measured is None else measured.measurement,
         tails=kind,
         autocorrelation=first,
         residuals=white,
         residual_states=tuple(moving.tolist()) if len(moving) == white.shape[1] else (),
         noise=_noise(found.noise, group),
+        is_bound=is_bound or evidence == "states",
     )
+
+
+def _explained(
+    group: Sequence[Transitions], model: StepModel, evidence: Evidence
+) -> tuple[Fit, Measured | None, Autocorrelation]:
+    """Return the fit that goes with what residuals look like, and how these follow each other."""
+    all_segments = [segment for one in group for segment in one.segments]
+    y, h, follows = stacked(all_segments)
+    found = fit(y, h, follows, model.B, has_color=False)
+    pieces = _pieces(whitened(found.innovations), all_segments)
+    first = autocorrelation(pieces)
+    if evidence == "commands":
+        offsets = [segment.offset for segment in all_segments]
+        noise, repeated = _pieces(found.noise, all_segments), repetition(group, pieces)
+        measured = measured_noise(noise, offsets, model, repeated)
+        if measured is not None:
+            return with_memory(found, measured), measured, first
+    can_color = evidence == "commands" or (evidence == "references" and model.has_velocity)
+    if can_color and first.first_score > SURE and first.first > _LEAST_COLOR:
+        found = fit(y, h, follows, model.B, has_color=True)
+    elif evidence == "references":
+        found = without_bias(found, h, follows, model)
+    return found, None, first
 
 
 def _pieces(rows: Matrix, all_segments: Sequence[Segment]) -> list[Matrix]:
@@ -250,37 +278,3 @@ def _spread(
     independent = max(free * (1.0 - color**2) / (1.0 + color**2) / alike, 1.0)
     worth, least, most = scatter(kind, independent)
     return widened(covariance_interval(covariance, worth), least, most), worth
-
-
-def _worth(covariance: Interval) -> float:
-    """Return how many independent steps would tell the variances as well, on average."""
-    variances = np.maximum(np.diag(covariance.value), 1e-300)
-    deviations = np.maximum(np.diag(covariance.high - covariance.low) / 3.92, 1e-300)
-    return max(float(np.median(2.0 * (variances / deviations) ** 2)), 1.0)
-
-
-def _drift(found: Fit, y: Matrix, model: StepModel, evidence: Evidence) -> tuple[Interval, bool]:
-    """Return what every step adds, and whether that is beyond chance."""
-    if evidence != "states":
-        # A mean is as sure as the deviation around it: noise with memory has few independent steps.
-        free = max(len(found.noise) * (1.0 - found.color) / (1.0 + found.color), 1.0)
-        sure = found.drift_deviation * float(stdtrit(free, 0.5 + 0.5 * LEVEL)) / SIGMAS
-        drift = normal_interval(found.drift, sure)
-        scores = np.abs(found.drift) / np.maximum(sure, 1e-300)
-        # As many chances as states to look large.
-        return drift, bool(np.any(scores > SURE + 0.25 * np.log2(model.num_states)))
-    return _current(y, model), False
-
-
-def _current(y: Matrix, model: StepModel) -> Interval:
-    """Return the current that positions tell whatever was commanded."""
-    value = np.full(model.num_states, np.nan)
-    deviation = np.full(model.num_states, np.nan)
-    if model.has_velocity:
-        d = model.dimension
-        # Positions move by the mean of both velocities: the rest is a
-        # current (exact for commands that are held over the step).
-        rest = y[:, :d] - 0.5 * model.dt * y[:, d:]
-        value[:d] = rest.mean(axis=0)
-        deviation[:d] = rest.std(axis=0) / np.sqrt(len(rest))
-    return normal_interval(value, deviation)

@@ -13,9 +13,10 @@ from radmpc.identification.commands import command_warning
 from radmpc.identification.differing import scaled_apart, vehicles_differ
 from radmpc.identification.estimate import Estimate, estimate
 from radmpc.identification.model import StepModel
-from radmpc.identification.sampling import Samples, native_period, sample
+from radmpc.identification.sampling import Samples, sample
 from radmpc.identification.segments import Evidence, Transitions, segments, without_jumps
 from radmpc.identification.sharing import Shared, shared_part
+from radmpc.identification.timing import evened, native_period, phase, rounded_step
 from radmpc.identification.track import Track, check_tracks
 from radmpc.identification.unknown import unknowns
 from radmpc.ranges import check_range
@@ -164,7 +165,9 @@ def _cleaned(tracks: Sequence[Track], dimension: int | None, warnings: list[str]
         kept, told = clean(track, dimension=axes)
         warnings += told
         if kept is not None:
-            found.append(kept)
+            even, told = evened(kept)
+            warnings += told
+            found.append(even)
     own = [without_copies(track) for track in found]
     if any(a is not b for a, b in zip(found, own, strict=True)):
         warnings.append("references that are where the vehicle was are not used")
@@ -180,20 +183,22 @@ def _cleaned(tracks: Sequence[Track], dimension: int | None, warnings: list[str]
 
 
 def _step(tracks: Sequence[Track]) -> float:
-    """Return the logs' own step, to four digits: the longest of all."""
+    """Return the logs' own step, the longest of all, with as few digits as do."""
     periods = [native_period(track) for track in tracks]
     longest = max((period for period in periods if np.isfinite(period)), default=0.0)
     if longest <= 0.0:
         raise FileFormatError(f"{tracks[0].where}: has a single sample, too few for anything")
-    return float(f"{longest:.4g}")
+    return rounded_step(longest, max(round(float(np.ptp(t.times)) / longest) for t in tracks))
 
 
 def _sampled(tracks: Sequence[Track], dt: float, warnings: list[str]) -> list[Samples]:
     """Return the tracks at steps that are common to those of one clock."""
-    starts: dict[str, float] = {}
+    first: dict[str, Track] = {}
     for track in tracks:
-        begin = float(track.times[0])
-        starts[track.clock] = min(starts.get(track.clock, begin), begin)
+        earlier = first.get(track.clock)
+        if earlier is None or track.times[0] < earlier.times[0]:
+            first[track.clock] = track
+    starts = {clock: phase(track.times, dt) for clock, track in first.items()}
     found = []
     for track in tracks:
         samples, told = sample(track, dt, starts[track.clock])

@@ -13,10 +13,12 @@ __all__ = [
     "LEVEL",
     "SIGMAS",
     "Interval",
+    "bound_alone",
     "covariance_interval",
     "normal_interval",
     "placed",
     "widened",
+    "worth_of",
 ]
 
 LEVEL = 0.95
@@ -119,3 +121,32 @@ def placed(part: Interval, around: Interval, places: tuple[Indices, ...]) -> Int
     for end, name in zip(ends, ("value", "low", "high"), strict=True):
         end[places] = getattr(part, name)
     return Interval(*ends)
+
+
+def bound_alone(covariance: Interval) -> Interval:
+    """Return the interval of a covariance of which no more is known than what it is at most.
+
+    Parameters
+    ----------
+    covariance : Interval
+        As if it were known, (n, n).
+    """
+    low = np.array(covariance.low)
+    np.fill_diagonal(low, 0.0)
+    size = np.sqrt(np.outer(*2 * (np.diag(covariance.high),)))
+    off = ~np.eye(len(low), dtype=bool)
+    high = np.where(off, size, covariance.high)
+    return Interval(covariance.value, np.where(off, -size, low), high)
+
+
+def worth_of(covariance: Interval) -> float:
+    """Return how many independent steps would tell the variances as well, on average.
+
+    Parameters
+    ----------
+    covariance : Interval
+        With its interval, (n, n).
+    """
+    variances = np.maximum(np.diag(covariance.value), 1e-300)
+    deviations = np.maximum(np.diag(covariance.high - covariance.low) / 3.92, 1e-300)
+    return max(float(np.median(2.0 * (variances / deviations) ** 2)), 1.0)

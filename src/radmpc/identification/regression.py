@@ -18,7 +18,15 @@ from radmpc.identification.intervals import Interval, normal_interval
 from radmpc.identification.segments import Evidence, Transitions
 from radmpc.records import dataclass
 
-__all__ = ["Fit", "feedback", "feedback_chance", "fit", "time_constant"]
+__all__ = [
+    "LEAST_CHANCE",
+    "LEAST_EXPLAINED",
+    "Fit",
+    "feedback",
+    "feedback_chance",
+    "fit",
+    "time_constant",
+]
 
 _MOST_COLOR = 0.995
 """Largest autocorrelation [-] from step to step that is looked for: beyond it noise and drift
@@ -26,6 +34,13 @@ cannot be told apart in logs of any length."""
 
 _GRID = 24
 """Autocorrelations that are tried before the best is refined."""
+
+LEAST_CHANCE = 0.01
+"""Probability [-] below which a closed loop is not that of a double integrator with feedback."""
+
+LEAST_EXPLAINED = 0.9
+"""Share of the corrections [-] that feedback must explain to be their law: lags and filters in a
+controller leave less than a tenth."""
 
 _ROUNDS = 3
 """Rounds in which weights and gain improve each other; a fourth changes less than 1e-6 of them."""
@@ -189,7 +204,9 @@ def _variances(covariance: Matrix) -> Vector:
     return np.maximum(variances, max(1e-20 * float(variances.max(initial=0.0)), 1e-200))
 
 
-def feedback(found: Fit, group: Sequence[Transitions], evidence: Evidence) -> Interval | None:
+def feedback(
+    found: Fit, group: Sequence[Transitions], evidence: Evidence
+) -> tuple[Interval | None, float]:
     """Return the feedback, by least squares on what is known of it.
 
     Parameters
@@ -203,26 +220,32 @@ def feedback(found: Fit, group: Sequence[Transitions], evidence: Evidence) -> In
 
     Returns
     -------
-    Interval or None
+    gain : Interval or None
         K, (d, n); None where it cannot be told.
+    share : float
+        Share of the corrections that commands hold [-] which K explains; NaN without these.
     """
     if evidence == "references":
-        return normal_interval(found.gain, found.gain_deviation)
+        return normal_interval(found.gain, found.gain_deviation), float("nan")
     pairs = [
         (one.deviations, one.corrections)
         for one in group
         if one.deviations is not None and one.corrections is not None
     ]
     if evidence != "commands" or len(pairs) < len(group):
-        return None
+        return None, float("nan")
     h = np.concatenate([deviations for deviations, _ in pairs])
     y = np.concatenate([corrections for _, corrections in pairs])
     h, y = h - h.mean(axis=0), y - y.mean(axis=0)
     gain = np.linalg.lstsq(h, y, rcond=None)[0].T
     rest = y - h @ gain.T
+    share = 1.0 - float(np.sum(rest**2)) / max(float(np.sum(y**2)), 1e-300)
+    if np.any(y) and share < LEAST_EXPLAINED:
+        return None, share
     variances = np.sum(rest**2, axis=0) / max(len(y) - h.shape[1] - 1, 1)
     inverse = np.diag(np.linalg.pinv(h.T @ h, hermitian=True))
-    return normal_interval(gain, np.sqrt(np.outer(variances, np.maximum(inverse, 0.0))))
+    deviations = np.sqrt(np.outer(variances, np.maximum(inverse, 0.0)))
+    return normal_interval(gain, deviations), share
 
 
 def feedback_chance(found: Fit, y: Matrix, h: Matrix, follows: Vector) -> float:

@@ -7,14 +7,18 @@ import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.errors import FileFormatError
+from radmpc.identification.timing import native_period
 from radmpc.identification.track import Track
 from radmpc.records import dataclass
 
-__all__ = ["Samples", "native_period", "sample"]
+__all__ = ["Samples", "sample"]
 
 _CLOSE = 0.1
 """Share of dt [-] by which a sample may be off its step and still stand for it: steps keep their
 own length, so that nothing is smoothed."""
+
+_FAR = 0.25
+"""The same where nearly all are close: the few others are no gaps."""
 
 _GAP = 2.5
 """Periods of the log [-] without a sample that count as a gap."""
@@ -52,11 +56,6 @@ class Samples:
     controls: Matrix | None
     effects: Matrix | None
     references: Matrix | None
-
-
-def native_period(track: Track) -> float:
-    """Return the median time between two samples [s]; NaN for a single one."""
-    return float(np.median(np.diff(track.times))) if track.times.size > 1 else float("nan")
 
 
 def sample(track: Track, dt: float, start: float) -> tuple[Samples, tuple[str, ...]]:
@@ -102,6 +101,7 @@ def sample(track: Track, dt: float, start: float) -> tuple[Samples, tuple[str, .
     is_covered = _is_covered(track.times, places, _GAP * period)
     is_close = offset <= max(_CLOSE * dt, 1e-9)
     if is_covered.any() and is_close[is_covered].mean() > 0.9:
+        is_close = offset <= max(_FAR * dt, 1e-9)
         steps, chosen = wanted[is_close].astype(np.int64), nearest[is_close]
         first = np.concatenate([[True], np.diff(chosen) > 0])
         return _picked(track, steps[first], chosen[first]), _gap_warning(track, steps[first], dt)

@@ -38,6 +38,10 @@ _ROUNDING = 1e-6
 """Share of the accelerations that commands and references come to below which all their differences
 are rounding [-]: what is stored in 32 bits has seven digits."""
 
+_LEFT = 1e-3
+"""Share of the corrections [-] that feedback to a reference that never changes may leave: else the
+vehicle was steered by other references, which were not logged."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segment:
@@ -182,6 +186,8 @@ def _feedback_pairs(
     d, references = samples.track.dimension, samples.references
     if references is None or samples.controls is None or references.shape[1] != 2 * d:
         return None, None
+    if len(samples.times) < 2:
+        return None, None
     deviations = (samples.states - references)[:-1]
     lengths = np.diff(samples.times)[:, None]
     planned = np.diff(references[:, d:], axis=0) / lengths
@@ -189,7 +195,17 @@ def _feedback_pairs(
     largest = np.abs(samples.controls).max() + np.abs(references[:, d:]).max() / lengths.min()
     if np.abs(corrections).max() <= _ROUNDING * largest:
         corrections[:] = 0.0
-    return deviations[is_step], corrections[is_step]
+    deviations, corrections = deviations[is_step], corrections[is_step]
+    if np.ptp(references, axis=0).max() == 0.0 and not _is_law(deviations, corrections):
+        return None, None
+    return deviations, corrections
+
+
+def _is_law(deviations: Matrix, corrections: Matrix) -> bool:
+    """Whether feedback explains corrections, as it does of a vehicle that holds one place."""
+    h, y = deviations - deviations.mean(axis=0), corrections - corrections.mean(axis=0)
+    rest = y - h @ np.linalg.lstsq(h, y, rcond=None)[0]
+    return float(np.sum(rest**2)) <= _LEFT * float(np.sum(y**2))
 
 
 def without_jumps(transitions: Transitions, dimension: int) -> tuple[Transitions, int, float]:

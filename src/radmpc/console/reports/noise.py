@@ -12,6 +12,7 @@ from radmpc.console.reports.report import facts
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
 from radmpc.identification.intervals import Interval
+from radmpc.identification.sharing import Shared
 from radmpc.identification.tails import Tails
 from radmpc.identification.unknown import misfit_of_color
 from radmpc.importing.logs.applying import recorded
@@ -99,19 +100,38 @@ def _facts(identified: Identification) -> dict[str, Text | str]:
         rows["memory"] = Text("; ".join(told[:_MOST_GROUPS]), style="yellow")
     shared = identified.shared
     if shared is not None:
-        rows["shared"] = _share_sentence(float(shared.share.value), shared.share, shared.is_sure)
+        rows["shared"] = _share_sentence(shared)
     return rows
 
 
-def _share_sentence(value: float, share: Interval, is_sure: bool) -> str:
+def _share_sentence(shared: Shared) -> str:
     """Return how much of the noise vehicles have in common."""
-    if not is_sure:
-        return "vehicles' noise at equal times is no more alike than by chance"
-    low, high = max(float(share.low), 0.0), min(float(share.high), 1.0)
-    return (
-        f"{100 * value:.0f} % of the variance is common to vehicles at equal times "
-        f"({100 * low:.0f} to {100 * high:.0f} %)"
-    )
+    parts = []
+    if shared.is_sure:
+        low, high = max(float(shared.share.low), 0.0), min(float(shared.share.high), 1.0)
+        parts.append(
+            f"{100 * float(shared.share.value):.0f} % of the variance is common to vehicles at "
+            f"equal times ({100 * low:.0f} to {100 * high:.0f} %)"
+        )
+    elif shared.is_mixed:
+        alike = f"alike are {_listed(shared.alike)}" if shared.alike else "no pair is surely alike"
+        parts.append(f"pairs of vehicles differ, so no shared part is written: {alike}")
+    elif not shared.opposed:
+        parts.append("vehicles' noise at equal times is no more alike than by chance")
+    if shared.opposed:
+        parts.append(
+            f"opposite is the noise of {_listed(shared.opposed)}: such pairs are less "
+            "safe than independent ones, so covariances are written "
+            f"{1.0 + shared.opposition:.3g} times as large"
+        )
+    return "; ".join(parts)
+
+
+def _listed(pairs: Sequence[tuple[str, str]]) -> str:
+    """Return some pairs of vehicles."""
+    told = ", ".join(f"{one} and {other}" for one, other in pairs[:_MOST_GROUPS])
+    rest = len(pairs) - _MOST_GROUPS
+    return told if rest <= 0 else f"{told} and {rest} more pairs"
 
 
 def tails_sentence(kind: Tails) -> str:
@@ -152,7 +172,7 @@ def _rows(one: Estimate, identified: Identification) -> Iterator[Row]:
     model, d = identified.model, identified.model.dimension
     names = [*"xyz"[:d], *(f"v{axis}" for axis in "xyz"[:d])][: model.num_states]
     units = ["m"] * d + ["m/s"] * d
-    upper = " at most" if identified.evidence == "states" else ""
+    upper = " at most" if one.is_bound else ""
     for i, name in enumerate(names):
         yield _root(f"disturbance of {name}, std. dev.{upper}", one.covariance, i, units[i])
     yield from _correlations(one.covariance, names)

@@ -38,6 +38,10 @@ def identification_json(identified: Identification) -> dict[str, object]:
         else {
             "vehicles": list(shared.vehicles),
             "is_sure": shared.is_sure,
+            "is_mixed": shared.is_mixed,
+            "alike": [list(pair) for pair in shared.alike],
+            "opposed": [list(pair) for pair in shared.opposed],
+            "opposition": shared.opposition,
             "share": _interval_json(shared.share),
             "covariance": _interval_json(shared.covariance),
         },
@@ -55,6 +59,7 @@ def _group_json(one: Estimate) -> dict[str, object]:
         "vehicles": list(one.vehicles),
         "steps": one.num_steps,
         "independent_steps": one.worth,
+        "is_bound": one.is_bound,
         "covariance": _interval_json(one.covariance),
         "drift": _interval_json(one.drift),
         "has_drift": one.has_drift,

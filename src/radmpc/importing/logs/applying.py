@@ -8,17 +8,20 @@ from typing import Any
 
 import numpy as np
 
-from radmpc.errors import ScenarioError
+from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
-from radmpc.importing.logs.block import noise_block, reordered, vehicle_fields
+from radmpc.identification.intervals import Interval
+from radmpc.importing.logs.block import FEWEST_SAMPLES, noise_block, reordered, vehicle_fields
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.text.yaml_writing import write_yaml
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import replace
 from radmpc.version import __version__
 
-__all__ = ["noise_text", "provenance", "recorded", "with_noise"]
+__all__ = ["check_worth", "noise_text", "provenance", "recorded", "with_noise"]
 
 _SHARED = "shared_disturbances"
 
@@ -66,6 +69,27 @@ def recorded(start: float) -> str:
     return datetime.fromtimestamp(start, tz=UTC).strftime("%Y-%m-%d %H:%M UTC")
 
 
+def check_worth(identified: Identification) -> None:
+    """Refuse to write noise that hardly anything is known of.
+
+    Parameters
+    ----------
+    identified : Identification
+        What logs tell.
+
+    Raises
+    ------
+    FileFormatError
+        If the logs are worth fewer independent steps than scenarios take for a covariance.
+    """
+    least = min(one.worth for one in identified.groups)
+    if least < FEWEST_SAMPLES:
+        raise FileFormatError(
+            f"{', '.join(identified.sources)}: is worth about {least:.0f} independent steps, and "
+            f"noise is written from {FEWEST_SAMPLES} on: log more"
+        )
+
+
 def noise_text(identified: Identification, day: str) -> str:
     """Return what was identified as YAML that a scenario takes as it is.
 
@@ -81,7 +105,13 @@ def noise_text(identified: Identification, day: str) -> str:
     str
         ``defaults`` or ``vehicles``; from what and when, and what the format does not take yet, as
         comments.
+
+    Raises
+    ------
+    FileFormatError
+        If the logs tell too little for any scenario.
     """
+    check_worth(identified)
     block = noise_block(identified)
     lines = ["Noise of vehicles, for a scenario."]
     lines += [f"{key}: {_told(entry)}" for key, entry in provenance(identified, day).items()]
@@ -135,7 +165,10 @@ def with_noise(
     ------
     ScenarioError
         If step or dynamics are others than those of the estimates.
+    FileFormatError
+        If the logs tell too little for any scenario.
     """
+    check_worth(identified)
     if abs(scenario.dt - identified.model.dt) > 1e-9 * scenario.dt:
         raise ScenarioError(
             f"is {scenario.dt:g} s, and the noise is that of steps of {identified.model.dt:g} s",
@@ -188,13 +221,15 @@ def _entries(
     """Return the vehicles of a scenario's file with their new noise."""
     by_name = {one.vehicles[0]: one for one in identified.each} if identified.differ else {}
     defaults, given = content.get("defaults", {}), content["vehicles"]
+    unknown = _largest(identified.each) if identified.differ else identified.pooled
     entries, warnings = [], []
     for i, (vehicle, entry) in enumerate(zip(scenario.vehicles, given, strict=True)):
         if identified.differ and vehicle.name not in by_name:
             warnings.append(
-                f"vehicle {vehicle.name!r} is in no log: it gets the mean of the others"
+                f"vehicle {vehicle.name!r} is in no log, and the others differ: it gets the "
+                "largest noise of any of them"
             )
-        one = by_name.get(vehicle.name, identified.pooled)
+        one = by_name.get(vehicle.name, unknown)
         fields = reordered(vehicle_fields(one, identified)[0], orders[i])
         fields.pop("dynamics", None)
         replaced = {"disturbance", "disturbance_covariance"}
@@ -202,6 +237,26 @@ def _entries(
         kept = {k: part for k, part in {**defaults, **entry}.items() if k not in replaced}
         entries.append({**kept, **fields})
     return entries, warnings
+
+
+def _largest(each: Sequence[Estimate]) -> Estimate:
+    """Return an estimate whose variances and time constant are the largest of all."""
+    sizes = np.array([np.diag(one.covariance.value) for one in each])
+    mean = np.maximum(sizes.mean(axis=0), 1e-300)
+    one = each[int(np.argmax((sizes / mean).sum(axis=1)))]
+    own = np.maximum(np.diag(one.covariance.value), 1e-300)
+    grown = np.sqrt(sizes.max(axis=0) / own)
+    covariance = np.array(one.covariance.value) * np.outer(grown, grown)
+    # What never moved in that vehicle's log has no row to be scaled.
+    np.fill_diagonal(covariance, sizes.max(axis=0))
+    constants = [other for other in each if other.time_constant is not None]
+    longest = max(constants, key=lambda other: other.color, default=one)
+    return replace(
+        one,
+        covariance=Interval(covariance, one.covariance.low, covariance),
+        color=longest.color,
+        time_constant=longest.time_constant,
+    )
 
 
 def _order(vehicle: Vehicle, identified: Identification, index: int) -> list[int]:

@@ -10,10 +10,11 @@ from radmpc.arrays import Matrix, as_covariance
 from radmpc.errors import ScenarioError
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
-from radmpc.identification.sharing import nearest_covariance, own_part
+from radmpc.identification.sharing import against_others, nearest_covariance, own_part
+from radmpc.identification.unknown import growth_of_loop, safe_constant
 from radmpc.records import dataclass
 
-__all__ = ["KEYS", "Block", "noise_block", "reordered", "vehicle_fields"]
+__all__ = ["FEWEST_SAMPLES", "KEYS", "Block", "noise_block", "reordered", "vehicle_fields"]
 
 KEYS: Mapping[str, bool] = {
     "dynamics": True,
@@ -32,7 +33,7 @@ _MOST_SAMPLES = 1000.0
 """Independent steps [-] above which a covariance counts as known: at a risk of 1e-3 the margin
 grows by less than 0.3 % for it."""
 
-_FEWEST_SAMPLES = 3
+FEWEST_SAMPLES = 3
 """Least that scenarios take [-]."""
 
 _DIGITS = 6
@@ -78,7 +79,7 @@ def noise_block(identified: Identification) -> Block:
     least = min(one.worth for one in identified.groups)
     if least < _MOST_SAMPLES:
         place = content if KEYS["covariance_samples"] else pending
-        place["covariance_samples"] = max(round(least), _FEWEST_SAMPLES)
+        place["covariance_samples"] = max(round(least), FEWEST_SAMPLES)
     shared = identified.shared
     if shared is not None and shared.is_sure:
         common: Fields = {
@@ -87,7 +88,7 @@ def noise_block(identified: Identification) -> Block:
             "on": {"default": _rows(np.eye(identified.model.num_states))},
         }
         if identified.pooled.time_constant is not None:
-            common["time_constant"] = _short(float(identified.pooled.time_constant.value))
+            common["time_constant"] = _short(safe_constant(identified.pooled.time_constant))
         place = content if KEYS["shared_disturbances"] else pending
         place["shared_disturbances"] = [common]
     return Block(content, pending)
@@ -177,12 +178,14 @@ def _fields(one: Estimate, identified: Identification) -> Fields:
         identified.shared is not None and identified.shared.is_sure and KEYS["shared_disturbances"]
     )
     own = own_part(one.covariance.value, identified.shared if has_shared else None)
+    own = own * against_others(one.vehicles, identified.shared)
     if one.time_constant is None:
         fields["disturbance_covariance"] = _rows(own)
     else:
-        constant = _short(float(one.time_constant.value))
+        constant = _short(safe_constant(one.time_constant))
         fields["disturbance"] = {"covariance": _rows(own), "time_constant": constant}
-    if one.gain is not None and one.gain.excludes_zero:
+    is_told = one.gain is not None and one.gain.excludes_zero
+    if one.gain is not None and is_told and growth_of_loop(one.gain, model) <= 1.0:
         fields["feedback"] = {"gain": [[_short(entry) for entry in row] for row in one.gain.value]}
     if one.has_drift:
         fields["drift"] = _drift(one, identified)

@@ -88,7 +88,7 @@ def read_csv(path: Path, columns: Mapping[str, str]) -> Recording:
     FileFormatError
         If columns are missing or a cell is no number; with its line.
     ScenarioError
-        If ``columns`` names what is not known here.
+        If ``columns`` names what is not known here, or a column twice.
     """
     unknown = [name for name in columns if name not in COLUMNS]
     if unknown:
@@ -97,13 +97,17 @@ def read_csv(path: Path, columns: Mapping[str, str]) -> Recording:
     text = read_text(path)
     if not text.strip():
         raise refusal(path, "is empty")
-    head = text.splitlines()[0]
+    # Lines are counted as the file has them; those before the header may be blank.
+    blank = len(text) - len(text.lstrip("\r\n \t"))
+    blank = text.rfind("\n", 0, blank) + 1
+    head = text[blank:].splitlines()[0]
     delimiter = max(",;\t", key=head.count)
-    rows = list(csv.reader(StringIO(text), delimiter=delimiter))
-    header = [cell.strip() for cell in rows[0]]
+    rows = list(csv.reader(StringIO(text[blank:]), delimiter=delimiter))
+    header = _header(path, rows[0])
     places = _places(path, header, columns)
-    numbers, vehicles = _table(path, rows[1:], header, places)
-    ignored = [name for i, name in enumerate(header) if i not in places.values()]
+    begin = text.count("\n", 0, blank) + 2
+    numbers, vehicles = _table(path, rows[1:], header, places, begin)
+    ignored = [name for i, name in enumerate(header) if name and i not in places.values()]
     warnings = (f"{path}: columns ignored: {', '.join(ignored)}",) if ignored else ()
     tracks = tuple(
         _track(
@@ -114,18 +118,41 @@ def read_csv(path: Path, columns: Mapping[str, str]) -> Recording:
     return Recording(tracks, warnings)
 
 
+def _header(path: Path, cells: Sequence[str]) -> list[str]:
+    """Return the names of columns: most are no numbers."""
+    header = [cell.strip() for cell in cells]
+    if 2 * sum(map(_is_number, header)) > len(header):
+        needed = ", ".join(_NEEDED)
+        raise refusal(path, f"begins with numbers: its first line must name columns: {needed}")
+    return header
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell is that of a row rather than of a header."""
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
 def _places(path: Path, header: Sequence[str], columns: Mapping[str, str]) -> dict[str, int]:
     """Return where each known column stands."""
-    doubled = next((name for name in header if header.count(name) > 1), None)
+    doubled = next((name for name in header if name and header.count(name) > 1), None)
     if doubled is not None:
         raise refusal(path, f"has two columns {doubled!r}")
     found = {}
     for name in COLUMNS:
-        called = columns.get(name, name)
+        called = columns.get(name, _own_name(name, header))
         if called in header:
             found[name] = header.index(called)
         elif name in columns or name in _NEEDED:
             raise MissingColumnError(path, name, header, columns)
+        at = found.get(name)
+        other = next((key for key, place in found.items() if key != name and place == at), None)
+        if other is not None:
+            called = f"{header[found[name]]!r} for {other} and for {name}"
+            raise ScenarioError(f"must name every column once, got {called}", ("columns",))
     for form in _PARTS.values():
         names = [form.format(axis=axis) for axis in _AXES]
         given = [name for name in names if name in found]
@@ -139,19 +166,33 @@ def _places(path: Path, header: Sequence[str], columns: Mapping[str, str]) -> di
     return found
 
 
+def _own_name(name: str, header: Sequence[str]) -> str:
+    """Return how a header spells a column that goes by its own name, in whatever case."""
+    if name in header:
+        return name
+    alike = [called for called in header if called.lower() == name]
+    return alike[0] if len(alike) == 1 else name
+
+
 def _table(
-    path: Path, rows: Sequence[Sequence[str]], header: Sequence[str], places: Mapping[str, int]
+    path: Path,
+    rows: Sequence[Sequence[str]],
+    header: Sequence[str],
+    places: Mapping[str, int],
+    begin: int,
 ) -> tuple[Matrix, list[str]]:
     """Return the numbers of all rows, a column per place, and their vehicles."""
     wanted = [name for name in places if name != "vehicle"]
     numbers, vehicles = [], []
-    for line, row in enumerate(rows, start=2):
+    for line, row in enumerate(rows, start=begin):
         if not any(cell.strip() for cell in row):
             continue
         if len(row) != len(header):
             raise refusal(path, f"line {line}: has {len(row)} cells, the header {len(header)}")
         numbers.append([_number(path, line, name, row[places[name]]) for name in wanted])
         vehicles.append(row[places["vehicle"]].strip() if "vehicle" in places else path.stem)
+        if not vehicles[-1]:
+            raise refusal(path, f"line {line}: has no name of a vehicle")
     if not numbers:
         raise refusal(path, "has a header and no row")
     table = np.full((len(numbers), len(header)), np.nan)
@@ -171,8 +212,6 @@ def _number(path: Path, line: int, name: str, cell: str) -> float:
 
 def _track(path: Path, name: str, rows: Matrix, places: Mapping[str, int]) -> Track:
     """Return one vehicle's rows."""
-    if not name:
-        raise refusal(path, "has rows without the name of a vehicle")
     parts: dict[str, Matrix] = {}
     for part, form in _PARTS.items():
         names = [form.format(axis=axis) for axis in _AXES if form.format(axis=axis) in places]

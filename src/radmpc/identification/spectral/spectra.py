@@ -1,7 +1,7 @@
 r"""Spectra of residuals, and what disturbance and measurement noise add to them.
 
 With states measured as :math:`x_k + m_k`, residuals are :math:`w_k + m_{k+1} - A m_k`. The expected
-power of a tapered run is linear in both covariances, and known exactly: of frequencies that are
+power of a tapered run is linear in all covariances, and known exactly: of frequencies that are
 taken together it is the mean, and what leaks between them counts where it belongs.
 """
 
@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 
-__all__ = ["LEAST_RUN", "Complex", "Spectra", "spectra"]
+__all__ = ["LEAST_RUN", "Complex", "Source", "Spectra", "spectra"]
 
 _TAPER = 0.2
 """Share of a run [-] that is faded in and out: without it power leaks to low frequencies, where
@@ -37,6 +37,25 @@ likelihood had no bound otherwise."""
 Complex = npt.NDArray[np.complex128]
 
 
+class Source(NamedTuple):
+    """Noise of unknown covariance, and how it enters what is seen of a step.
+
+    Attributes
+    ----------
+    units : (m, g, g) array
+        Covariances that the unknown one is made of.
+    before, after : (n, g) array
+        Effects of the noise at the beginning and at the end of the step.
+    color : float
+        Autocorrelation from step to step [-]; noise with memory has no effect at the end.
+    """
+
+    units: Matrix
+    before: Matrix
+    after: Matrix
+    color: float = 0.0
+
+
 class Spectra(NamedTuple):
     """What is seen of residuals, by bands of frequencies.
 
@@ -44,9 +63,8 @@ class Spectra(NamedTuple):
     ----------
     powers : (K, n, n) array
         Mean power of every band.
-    basis : (2 m, K, n, n) array
-        Expected power for each of the m unit covariances of the disturbance, then of the
-        measurement noise.
+    basis : (m, K, n, n) array
+        Expected power for each of the unit covariances, source by source.
     weights : (K,) array
         How many frequencies of how many runs each band is the mean of.
     loss : float
@@ -59,17 +77,15 @@ class Spectra(NamedTuple):
     loss: float
 
 
-def spectra(pieces: Sequence[Matrix], A: Matrix, units: Matrix) -> Spectra:
+def spectra(pieces: Sequence[Matrix], sources: Sequence[Source]) -> Spectra:
     """Return the mean spectra of runs of equal lengths.
 
     Parameters
     ----------
     pieces : sequence of (k, n) array
         Residuals with mean zero and variances of about 1, runs of at least `LEAST_RUN` steps.
-    A : (n, n) array
-        State matrix.
-    units : (m, n, n) array
-        Covariances that the unknown ones are made of.
+    sources : sequence of Source
+        What the residuals are made of.
     """
     runs: dict[int, list[Matrix]] = {}
     for piece in pieces:
@@ -84,13 +100,13 @@ def spectra(pieces: Sequence[Matrix], A: Matrix, units: Matrix) -> Spectra:
         power = np.einsum("bki,bkj->kij", waves, waves.conj()) / len(blocks)
         starts = _bands(order)
         sizes = np.diff(np.append(starts, len(order)))[:, None, None]
-        expected = _basis(2.0 * np.pi * order / length, A, units, taper)
+        expected = np.concatenate([_basis(order, one, taper) for one in sources])
         powers.append(np.add.reduceat(power, starts, axis=0) / sizes)
         basis.append(np.add.reduceat(expected, starts, axis=1) / sizes)
         weights.append(sizes[:, 0, 0] * float(len(blocks)))
         losses.append(length * float(np.sum(taper**4)))
     loss = float(np.average(losses, weights=[float(weight.sum()) for weight in weights]))
-    floor = _ROUNDING * np.eye(len(A), dtype=np.complex128)
+    floor = _ROUNDING * np.eye(pieces[0].shape[1], dtype=np.complex128)
     return Spectra(
         np.concatenate(powers) + floor, np.concatenate(basis, axis=1), np.concatenate(weights), loss
     )
@@ -120,11 +136,19 @@ def _bands(order: Indices) -> list[int]:
         starts.append(end)
 
 
-def _basis(angles: Vector, A: Matrix, units: Matrix, taper: Vector) -> Complex:
-    """Return the expected powers at frequencies [rad/step] of unit covariances of W and R."""
+def _basis(order: Indices, source: Source, taper: Vector) -> Complex:
+    """Return the expected powers at frequencies of unit covariances, (m, K, n, n)."""
+    units, before, after, color = source
+    length, begun = len(taper), before @ units @ before.T
+    if color != 0.0:
+        # Samples so many steps apart count by how alike they are; what wraps around is folded.
+        spectrum = np.fft.rfft(taper, 2 * length)
+        alike = np.fft.irfft(np.abs(spectrum) ** 2)[:length] * color ** np.arange(length)
+        power = (2.0 * np.fft.fft(alike).real - alike[0])[order]
+        return np.asarray(power[:, None, None] * begun[:, None], dtype=np.complex128)
     # A sample of the measurement counts by the weights of both steps that it is part of.
     both = float(np.sum(taper[1:] * taper[:-1]))
-    turn = both * np.exp(1j * angles)[:, None, None]
-    across = turn * (units @ A.T)[:, None]
-    seen = (units + A @ units @ A.T)[:, None] - across - across.conj().transpose(0, 1, 3, 2)
-    return np.concatenate([np.broadcast_to(units[:, None], seen.shape), seen])
+    turn = both * np.exp(2j * np.pi * order / length)[:, None, None]
+    across = turn * (after @ units @ before.T)[:, None]
+    steady = (begun + after @ units @ after.T)[:, None]
+    return np.asarray(steady + across + across.conj().transpose(0, 1, 3, 2))

@@ -1,8 +1,8 @@
 r"""Disturbance and measurement noise that make spectra the likeliest.
 
 Whittle's likelihood alone has no bound where covariances may be indefinite, and its maximum
-often lies where one is singular, which looks like certainty. Half the log-determinant of either
-is added (Chung et al. 2015): both stay positive definite, what is not told stays about a standard
+often lies where one is singular, which looks like certainty. Half the log-determinant of each
+is added (Chung et al. 2015): all stay positive definite, what is not told stays about a standard
 deviation above zero, and what N steps tell moves by 1/N.
 """
 
@@ -13,7 +13,7 @@ from scipy.special import chdtri
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.identification.intervals import LEVEL
-from radmpc.identification.spectra import Complex, Spectra
+from radmpc.identification.spectral.spectra import Complex, Spectra
 from radmpc.records import dataclass
 
 __all__ = ["Whittle"]
@@ -44,26 +44,26 @@ _QUANTILE = float(chdtri(1.0, 1.0 - LEVEL))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Whittle:
-    """The likelihood of covariances, given by their entries in the upper triangle, W before R.
+    """The likelihood of covariances, given by their entries in the upper triangle, one by one.
 
     Attributes
     ----------
     seen : Spectra
         What is to be explained.
-    units : (m, n, n) array
-        Covariances that unit entries stand for.
+    units : tuple of (m, g, g) array
+        Covariances that unit entries stand for, source by source.
     """
 
     seen: Spectra
-    units: Matrix
+    units: tuple[Matrix, ...]
 
-    def likeliest(self, start: Vector) -> Vector:
-        """Return the likeliest entries by Fisher scoring.
+    def likeliest(self, start: Vector) -> tuple[Vector, float]:
+        """Return the likeliest entries by Fisher scoring, and their log-likelihood.
 
         Parameters
         ----------
-        start : (2 m,) array
-            A guess, of which both covariances are positive definite.
+        start : (m,) array
+            A guess, of which all covariances are positive definite.
         """
         entries, value = start, float(self._values(start[None])[0])
         for _ in range(_ROUNDS):
@@ -79,20 +79,35 @@ class Whittle:
             if share <= _LEAST_SHARE:
                 break
             entries, value = entries + share * step, found
-        return entries
+        return entries, value
 
     def unbounded(self, entries: Vector) -> tuple[Vector, Vector]:
         """Return the likeliest entries as if covariances might be indefinite, with deviations.
 
         Parameters
         ----------
-        entries : (2 m,) array
+        entries : (m,) array
             The likeliest ones: from there the others are a single step away.
         """
         gradient, information = self._slopes(entries[None], 0.0)
         inverse = np.linalg.pinv(information[0], hermitian=True)
         deviations = np.sqrt(np.maximum(np.diag(inverse), 0.0) * self.seen.loss)
         return entries + inverse @ gradient[0], deviations
+
+    def peak(self, entries: Vector) -> float:
+        """Return the largest log-likelihood as if covariances might be indefinite.
+
+        What favors positive definite ones does not decide between kinds of noise.
+
+        Parameters
+        ----------
+        entries : (m,) array
+            The likeliest ones: from there the others are a single step away.
+        """
+        gradient, information = self._slopes(entries[None], 0.0)
+        step = np.linalg.pinv(information[0], hermitian=True) @ gradient[0]
+        value = float(self._values(entries[None], 0.0)[0])
+        return value + 0.5 * float(gradient[0] @ step)
 
     def upper_ends(self, entries: Vector, which: Indices) -> Vector:
         """Return the upper ends of some entries' intervals, by what the likelihood loses to them.
@@ -101,7 +116,7 @@ class Whittle:
 
         Parameters
         ----------
-        entries : (2 m,) array
+        entries : (m,) array
             The likeliest ones.
         which : (k,) array
             Of which entries.
@@ -135,33 +150,35 @@ class Whittle:
             values = self._values(entries + share[:, None] * steps)
         return share[:, None] * steps, values
 
-    def _parts(self, entries: Matrix) -> tuple[Matrix, Matrix, Complex]:
-        """Return W, R and the expected powers of several sets of entries."""
-        half, (_, bands, n, _) = len(self.units), self.seen.basis.shape
-        flat = self.units.reshape(half, n * n)
-        W, R = entries[:, :half] @ flat, entries[:, half:] @ flat
-        expected = entries @ self.seen.basis.reshape(2 * half, -1)
-        shape = (len(entries), n, n)
-        return W.reshape(shape), R.reshape(shape), expected.reshape(len(entries), bands, n, n)
+    def _parts(self, entries: Matrix) -> tuple[list[tuple[slice, Matrix]], Complex]:
+        """Return covariances with their places in entries, and the expected powers."""
+        found, begin = [], 0
+        for units in self.units:
+            at = slice(begin, begin + len(units))
+            found.append((at, np.tensordot(entries[:, at], units, 1)))
+            begin = at.stop
+        _, bands, n, _ = self.seen.basis.shape
+        expected = entries @ self.seen.basis.reshape(begin, -1)
+        return found, expected.reshape(len(entries), bands, n, n)
 
-    def _values(self, entries: Matrix) -> Vector:
+    def _values(self, entries: Matrix, weight: float = _PRIOR) -> Vector:
         """Return log-likelihoods; -inf where a covariance is not positive definite."""
-        W, R, expected = self._parts(entries)
-        both = np.linalg.eigvalsh(np.stack([W, R], axis=1))
-        is_fine = both.min(axis=(1, 2)) > 0.0
+        parts, expected = self._parts(entries)
+        own = np.concatenate([np.linalg.eigvalsh(part) for _, part in parts], axis=1)
+        is_fine = own.min(axis=1) > 0.0
         values = np.full(len(entries), -np.inf)
         if not is_fine.any():
             return values
         inverse = np.linalg.inv(expected[is_fine])
         rest = np.einsum("mkij,kji->mk", inverse, self.seen.powers).real
         rest += np.linalg.slogdet(expected[is_fine])[1]
-        prior = _PRIOR * np.log(both[is_fine]).sum(axis=(1, 2))
+        prior = weight * np.log(own[is_fine]).sum(axis=1)
         values[is_fine] = prior - rest @ self.seen.weights
         return values
 
     def _slopes(self, entries: Matrix, prior: float) -> tuple[Matrix, Matrix]:
         """Return gradients of the log-likelihood and its expected curvatures."""
-        W, R, expected = self._parts(entries)
+        covariances, expected = self._parts(entries)
         sets, (size, bands, n, _) = len(entries), self.seen.basis.shape
         inverse = np.linalg.inv(expected)
         weights = self.seen.weights[:, None, None]
@@ -177,9 +194,8 @@ class Whittle:
         turned = turned.transpose(0, 2, 1, 3).reshape(sets, size, -1)
         parts = np.concatenate([turned.real, turned.imag], axis=2)
         information = parts @ parts.transpose(0, 2, 1)
-        half = size // 2
-        for at, matrix in ((slice(0, half), W), (slice(half, None), R)):
-            own = np.linalg.inv(matrix)[:, None] @ self.units
+        for (at, matrix), units in zip(covariances, self.units, strict=True):
+            own = np.linalg.inv(matrix)[:, None] @ units
             gradient[:, at] += prior * np.trace(own, axis1=2, axis2=3)
             information[:, at, at] += prior * np.einsum("maij,mbji->mab", own, own)
         return gradient, information

@@ -1,0 +1,1 @@
+"""Disturbance, its memory and measurement noise told apart by spectra of residuals."""
