@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Vector
 from radmpc.errors import FileFormatError
 from radmpc.identification.track import Track
 
@@ -22,7 +22,8 @@ _CLEAR = 0.9
 """The same where they leave hardly any doubt."""
 
 _CLEAR_RATIO, _ODD_RATIO = 1.6, 1.15
-"""Factors [-] that are then refused, as 1.94 between knots and m/s is, and told."""
+"""Factors [-] that are then refused, as 1.94 between knots and m/s is, where all axes have them
+alike, and told: along one axis a current may move a vehicle half as far as its velocity says."""
 
 _CROSSED = 4.0
 """Factor [-] between what velocities of two axes leave unexplained from which on axes are mixed up:
@@ -59,6 +60,7 @@ def check_axes(track: Track) -> tuple[str, ...]:
     _check_together(track, moved, told)
     warnings: list[str] = []
     slopes, shares = _explained(moved, told)
+    _check_alike(track, np.diag(slopes), np.diag(shares))
     for i, axis in enumerate("xyz"[: track.dimension]):
         slope, share, best = slopes[i, i], shares[i, i], int(np.argmax(shares[i]))
         is_clear = best != i and shares[i, best] > _CLEAR
@@ -67,16 +69,17 @@ def check_axes(track: Track) -> tuple[str, ...]:
                 f"{track.where}: {axis} moves as v{'xyz'[best]} says, and not as v{axis}: are axes "
                 "of positions and velocities the same?"
             )
-        if share < _LEAST_MOTION:
+        # Of less there is doubt: a current, or gusts that last, may move it otherwise.
+        if share <= _CLEAR:
             continue
         if slope < 0.0:
             raise FileFormatError(
                 f"{track.where}: {axis} moves against v{axis}: do they have the same sign?"
             )
-        is_clear, apart = share > _CLEAR, max(slope, 1.0 / slope)
-        if apart > (_CLEAR_RATIO if is_clear else _UNIT_RATIO):
+        apart = max(slope, 1.0 / slope)
+        if apart > _UNIT_RATIO:
             raise _wrong_units(track, slope, f"along {axis} ")
-        if is_clear and apart > _ODD_RATIO:
+        if apart > _ODD_RATIO:
             warnings.append(
                 f"{track.where}: moves {slope:.3g} times as far along {axis} as v{axis} says: are "
                 "both in the same units?"
@@ -144,6 +147,16 @@ def _check_together(track: Track, moved: Matrix, told: Matrix) -> None:
         return
     ratio = product / size
     if not 1.0 / _UNIT_RATIO < ratio < _UNIT_RATIO:
+        raise _wrong_units(track, ratio, "")
+
+
+def _check_alike(track: Track, slopes: Vector, shares: Vector) -> None:
+    """Refuse a smaller factor that all axes have alike: a current or a gust is along some."""
+    if slopes.size < 2 or shares.min() <= _CLEAR or slopes.min() <= 0.0:
+        return
+    ratio = float(np.exp(np.log(slopes).mean()))
+    is_same = slopes.max() <= _ODD_RATIO * slopes.min()
+    if is_same and max(ratio, 1.0 / ratio) > _CLEAR_RATIO:
         raise _wrong_units(track, ratio, "")
 
 
