@@ -146,7 +146,8 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
     yield from _control(scenario, vehicle, seen)
     yield from _time(scenario, vehicle, seen)
     for text, weight in describe_narrow(scenario, seen):
-        yield _Found("narrow", seen.name, text, weight, cures=partial(narrow_cures, scenario, seen))
+        cures, is_closed = partial(narrow_cures, scenario, seen), seen.closed is not None
+        yield _Found("narrow", seen.name, text, weight, is_closed, cures=cures)
     most = _SMALL * scenario.risk_bound
     if seen.saturation is not None and seen.saturation > most:
         yield _Found(
