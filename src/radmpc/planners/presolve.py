@@ -1,11 +1,11 @@
-"""What rules out any plan before a search: control reserve, time, and risk at starts and goals.
+"""What rules out any plan before a search: control, time, closed ways, risk at starts and goals.
 
 Every reason here is a proof: no plan exists, whatever the half-spaces or alternatives.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard, Floors, floors
@@ -22,6 +22,7 @@ from radmpc.records import dataclass
 
 __all__ = [
     "Reason",
+    "closed_ways",
     "endpoint_reasons",
     "grouped",
     "hazards_of",
@@ -82,7 +83,36 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
     if not are_surely_harmless(scenario, models):
         reasons += endpoint_reasons(scenario, floors(scenario, models))
     reasons += _lost_ranges(scenario, models) if scenario.keep else []
+    reasons += closed_ways(scenario, {i for reason in reasons for i in reason.members})
     return reasons + [Reason(*told) for told in visit_sentences(scenario, models)]
+
+
+def closed_ways(scenario: Scenario, told: Collection[int] = ()) -> list[Reason]:
+    """Say which vehicles have no way to a visit or their goal, however long it takes.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    told : collection of int
+        Vehicles that nothing more has to be said of.
+
+    Returns
+    -------
+    list of Reason
+        One per vehicle; a closed way is a proof for every plan along intervals.
+    """
+    if not scenario.obstacles:
+        return []
+    from radmpc.planners.reaching.enclosed import BarriersOfAll, closed_text  # noqa: PLC0415 - see above
+
+    barriers, reasons = BarriersOfAll(scenario), []
+    for i, vehicle in enumerate(scenario.vehicles):
+        closed = None if i in told else barriers.closed(vehicle)
+        if closed is not None:
+            text = f"Vehicle {vehicle.name!r} {closed_text(vehicle, closed)}."
+            reasons.append(Reason((i,), text))
+    return reasons
 
 
 def _lost_ranges(scenario: Scenario, models: Sequence[CondensedModel]) -> list[Reason]:
