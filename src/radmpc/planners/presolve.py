@@ -84,6 +84,7 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
         reasons += endpoint_reasons(scenario, floors(scenario, models))
     reasons += _lost_ranges(scenario, models) if scenario.keep else []
     reasons += closed_ways(scenario, {i for reason in reasons for i in reason.members})
+    reasons += late_around(scenario, models, {i for reason in reasons for i in reason.members})
     return reasons + [Reason(*told) for told in visit_sentences(scenario, models)]
 
 
@@ -112,6 +113,38 @@ def closed_ways(scenario: Scenario, told: Collection[int] = ()) -> list[Reason]:
         if closed is not None:
             text = f"Vehicle {vehicle.name!r} {closed_text(vehicle, closed)}."
             reasons.append(Reason((i,), text))
+    return reasons
+
+
+def late_around(
+    scenario: Scenario, models: Sequence[CondensedModel], told: Collection[int] = ()
+) -> list[Reason]:
+    """Say which vehicles are late for a visit or their goal at full speed around obstacles.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    models : sequence of CondensedModel
+        Its vehicles over the whole horizon.
+    told : collection of int
+        Vehicles that nothing more has to be said of.
+
+    Returns
+    -------
+    list of Reason
+        One per vehicle; each is a proof for every plan along intervals.
+    """
+    if not scenario.obstacles:
+        return []
+    from radmpc.planners.reaching.around import WaysAround, late_text  # noqa: PLC0415 - see above
+
+    ways, reasons = WaysAround(scenario), []
+    for i, model in enumerate(models):
+        late = None if i in told else ways.late(model.vehicle, model.control_bounds)
+        if late is not None:
+            text = f"{late_text(scenario, late)}."
+            reasons.append(Reason((i,), text, text.replace(" its ", " their ")))
     return reasons
 
 

@@ -20,7 +20,7 @@ from radmpc.preflight.endpoint_concerns import describe_endpoints
 from radmpc.preflight.narrow_concerns import describe_narrow, narrow_cures
 from radmpc.preflight.noise import NoiseKind, noise_warnings, quiet_axes
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
-from radmpc.preflight.time_concerns import describe_time, describe_unable
+from radmpc.preflight.time_concerns import describe_late, describe_time, describe_unable
 from radmpc.records import dataclass
 
 __all__ = ["Concern", "Kind", "concerns_of"]
@@ -198,6 +198,10 @@ def _time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterato
     unable = describe_unable(scenario, vehicle)
     if unable is not None and unable.kind == "time":
         yield _Found("time", seen.name, unable.text, unable.weight, True, cures=unable.cures)
+        return
+    late = describe_late(scenario, seen) if unable is None else None
+    if late is not None:
+        yield _Found(late.kind, seen.name, late.text, late.weight, True, late.horizon)
         return
     time = describe_time(scenario, vehicle, seen)
     if time is not None:

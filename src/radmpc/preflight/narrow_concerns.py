@@ -62,7 +62,7 @@ def describe_narrow(scenario: Scenario, seen: VehicleOutlook) -> Iterator[tuple[
         whom = next(v for v in scenario.vehicles if v.name == seen.name)
         yield closed_text(whom, seen.closed), np.inf
         return
-    if place is Passage.CLOSED:
+    if place is Passage.CLOSED and seen.late is None:  # else that is said of its time
         yield _without_path(scenario, seen.name), np.inf
     elif isinstance(place, Narrowest):
         yield from _describe_place(scenario, seen, place)

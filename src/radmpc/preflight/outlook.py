@@ -12,6 +12,7 @@ from radmpc.arrays import Matrix, Tensor
 from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.planners.reaching.around import Late, WaysAround
 from radmpc.planners.reaching.enclosed import BarriersOfAll, Closed
 from radmpc.preflight.cures import largest_deviation
 from radmpc.preflight.endpoints import least_risks
@@ -66,6 +67,8 @@ class VehicleOutlook:
         dynamics that are no double integrator.
     closed : Closed or None
         A way to a visit or the goal that is closed for it at all times, where that is known.
+    late : Late or None
+        What it is late for at full speed around obstacles, where that is known.
     """
 
     name: str
@@ -79,6 +82,7 @@ class VehicleOutlook:
     narrowest: Narrowest | Passage
     visits: tuple[int | None, ...] = ()
     closed: Closed | None = None
+    late: Late | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,14 +153,15 @@ def outlook_of(
     endpoints, ranges = least_risks(scenario, places)
     risks = _risks(endpoints, ranges, scenario.num_vehicles)
     work = min(_WORK, _WORK_OF_ALL / scenario.num_vehicles)
-    barriers = BarriersOfAll(scenario)
+    barriers, ways = BarriersOfAll(scenario), WaysAround(scenario)
     vehicles = []
     for i in range(scenario.num_vehicles):
         if progress is not None:
             progress("looking at vehicles", i, scenario.num_vehicles)
         closed = barriers.closed(scenario.vehicles[i])
         one = _vehicle(scenario, i, (covariances[i], places[i]), risks[i], closed, work)
-        vehicles.append(one)
+        late = ways.late(scenario.vehicles[i], scenario.vehicles[i].control_bounds(covariances[i]))
+        vehicles.append(one if late is None else replace(one, late=late))
     return Outlook(scenario, tuple(vehicles), endpoints, ranges)
 
 

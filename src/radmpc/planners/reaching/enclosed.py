@@ -20,7 +20,7 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.planners.wording import listed
 from radmpc.records import dataclass
 
-__all__ = ["BarriersOfAll", "Closed", "closed_text"]
+__all__ = ["BarriersOfAll", "Closed", "at_all_steps", "closed_text"]
 
 _TIGHT = 1e-6
 """Share of the radius by which an opening has to be too narrow, which no rounding is [-]."""
@@ -93,7 +93,7 @@ class BarriersOfAll:
         if scenario.dimension != 2 or scenario.avoidance != "intervals":
             return None
         met = met_by(scenario.obstacles, vehicle.name)
-        named = [(o.name, piece) for o in met for piece in _at_all_steps(o)]
+        named = [(o.name, piece) for o in met for piece in at_all_steps(o)]
         if not named:
             return None
         border = scenario.workspace
@@ -187,8 +187,14 @@ def _closed(visit: int | None, opening: Opening, names: Sequence[str]) -> Closed
     )
 
 
-def _at_all_steps(obstacle: Obstacle) -> Sequence[Polytope]:
-    """Return the pieces of an obstacle that are where they are at all steps, without doubt."""
+def at_all_steps(obstacle: Obstacle) -> Sequence[Polytope]:
+    """Return the pieces of an obstacle that are where they are at all steps, without doubt.
+
+    Parameters
+    ----------
+    obstacle : Obstacle
+        Any.
+    """
     if obstacle.spread is not None:
         return ()
     first, *later = obstacle.steps
