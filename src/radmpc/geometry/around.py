@@ -91,7 +91,7 @@ def corners_around(
     Corners or None
         None where there are too many.
     """
-    angles = (np.arange(_SIDES) + 0.5) * (2.0 * np.pi / _SIDES)
+    angles = np.arange(_SIDES) * (2.0 * np.pi / _SIDES)
     disc = radius * np.column_stack([np.cos(angles), np.sin(angles)])
     count = sum(_SIDES + len(piece.vertices) for piece in pieces)
     if count**3 > _MOST:

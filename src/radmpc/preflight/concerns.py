@@ -10,6 +10,7 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.planners.reaching.passing import blocked_pairs, blocked_text
 from radmpc.preflight.cures import (
     control_cures,
     deviation_cures,
@@ -128,8 +129,15 @@ def concerns_of(outlook: Outlook) -> tuple[Concern, ...]:
     ]
     noise = (Concern(kind, (), text, False) for kind, text in noise_warnings(scenario))
     ends = (Concern("endpoint", *told) for told in describe_endpoints(outlook))
-    told = [*ends, *_risky_visits(outlook), *_grouped(found), *noise]
+    told = [*ends, *_risky_visits(outlook), *_grouped(found), *_blocked(scenario), *noise]
     return tuple(sorted(told, key=lambda concern: not concern.is_fatal))
+
+
+def _blocked(scenario: Scenario) -> Iterator[Concern]:
+    """Yield the pairs that have to pass each other where there is no room for two."""
+    for pair in blocked_pairs(scenario):
+        names = tuple(scenario.vehicles[i].name for i in pair.members)
+        yield Concern("narrow", names, blocked_text(scenario, pair).rstrip("."), is_fatal=True)
 
 
 def _risky_visits(outlook: Outlook) -> Iterator[Concern]:

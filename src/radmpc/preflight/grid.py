@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.geometry import Polytope
-from radmpc.geometry.crossing import leads_through
+from radmpc.geometry.through import leads_through
 from radmpc.records import dataclass
 
 __all__ = ["Field", "Grid", "Walls", "grid_of", "widened"]

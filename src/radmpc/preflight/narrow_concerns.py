@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from radmpc.errors import ScenarioError
-from radmpc.geometry.crossing import leads_through
+from radmpc.geometry.through import leads_through
 from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.model.workspace import Workspace

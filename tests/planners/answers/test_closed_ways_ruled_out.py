@@ -9,7 +9,7 @@ import pytest
 from radmpc import Goal, Obstacle, Scenario, Vehicle, Visit, Workspace, double_integrator, plan
 from radmpc.model.plan import Status
 from radmpc.model.relations.concerns import only_for
-from radmpc.planners.presolve import closed_ways
+from radmpc.planners.presolve import enclosed_reasons
 
 RING = [[12.0, 3.0], [18.0, 3.0], [18.0, 9.0], [12.0, 9.0], [12.0, 3.0]]
 
@@ -60,7 +60,7 @@ def test_another_planner_gives_the_same_reason() -> None:
 
 def test_a_visit_in_a_closed_room_is_named() -> None:
     west = robot("a", [2.0, 6.0], [5.0, 6.0], via=(Visit([14.0, 5.0], [15.0, 6.0]),))
-    (reason,) = closed_ways(rooms(Obstacle.line("ring", RING), vehicles=(west,), horizon=60))
+    (reason,) = enclosed_reasons(rooms(Obstacle.line("ring", RING), vehicles=(west,), horizon=60))
     assert "has no way to the box of its visit via[0]" in reason.text
 
 
@@ -72,23 +72,23 @@ def test_a_door_that_never_opens_closes_a_way_and_one_that_does_so_once_may_leav
     shut = [[9.8, 2.0], [10.2, 2.0], [10.2, 6.0], [9.8, 6.0]]
     ajar = [[x, y + 0.5] for x, y in shut]
     door = Obstacle.moving("door", [shut] * 21)
-    (reason,) = closed_ways(rooms(*walls, door))
+    (reason,) = enclosed_reasons(rooms(*walls, door))
     assert "and obstacle 'door' near (10" in reason.text
     assert reason.text.endswith("is 0.1 m wide (its hull 0.6 m).")
-    assert not closed_ways(rooms(*walls, Obstacle.moving("door", [shut] * 20 + [ajar])))
+    assert not enclosed_reasons(rooms(*walls, Obstacle.moving("door", [shut] * 20 + [ajar])))
 
 
 @pytest.mark.parametrize("change", [{"avoidance": "steps"}, {"obstacles": ()}])
 def test_nothing_is_ruled_out_where_walls_may_be_passed(change: dict[str, object]) -> None:
-    assert not closed_ways(replace(rooms(Obstacle.line("ring", RING)), **change))
+    assert not enclosed_reasons(replace(rooms(Obstacle.line("ring", RING)), **change))
 
 
 def test_an_obstacle_of_others_closes_no_way() -> None:
     ring = Obstacle.line("ring", RING)
-    assert closed_ways(rooms(only_for(ring, ["a"])))
-    assert not closed_ways(rooms(only_for(ring, ["b"])))
+    assert enclosed_reasons(rooms(only_for(ring, ["a"])))
+    assert not enclosed_reasons(rooms(only_for(ring, ["b"])))
 
 
 def test_who_begins_and_ends_in_the_same_room_has_a_way() -> None:
     inside = robot("a", [13.0, 6.0], [17.0, 6.0])
-    assert not closed_ways(rooms(Obstacle.line("ring", RING), vehicles=(inside,)))
+    assert not enclosed_reasons(rooms(Obstacle.line("ring", RING), vehicles=(inside,)))
