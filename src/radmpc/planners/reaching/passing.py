@@ -78,6 +78,7 @@ def blocked_pairs(scenario: Scenario) -> Iterator[Blocked]:
         return
     largest = max(vehicle.radius for vehicle in scenario.vehicles)
     known: dict[tuple[int, int], _Span | None] = {}
+    grown: dict[tuple[float, tuple[str, ...]], list[Polytope]] = {}
     for i, j in combinations(range(scenario.num_vehicles), 2):
         one, other = scenario.vehicles[i], scenario.vehicles[j]
         apart = one.radius + other.radius
@@ -86,7 +87,9 @@ def blocked_pairs(scenario: Scenario) -> Iterator[Blocked]:
                 continue
             for k in (i, j):
                 if (k, axis) not in known:
-                    known[k, axis] = _span(scenario, scenario.vehicles[k], axis, largest)
+                    vehicle = scenario.vehicles[k]
+                    pieces = _grown(scenario, vehicle, grown)
+                    known[k, axis] = _span(scenario, vehicle, pieces, axis, largest)
             first, second = known[i, axis], known[j, axis]
             if first is None or second is None:
                 continue
@@ -111,7 +114,25 @@ def _side_by_side(first: _Span, second: _Span) -> float:
     return float(across[are_there].max(initial=0.0))
 
 
-def _span(scenario: Scenario, vehicle: Vehicle, axis: int, largest: float) -> _Span | None:
+def _grown(
+    scenario: Scenario,
+    vehicle: Vehicle,
+    known: dict[tuple[float, tuple[str, ...]], list[Polytope]],
+) -> list[Polytope]:
+    """Return what stands still, grown by a polygon within the hull; the same for vehicles alike."""
+    met = met_by(scenario.obstacles, vehicle.name)
+    key = (vehicle.radius, tuple(obstacle.name for obstacle in met))
+    if key not in known:
+        angles = np.arange(_SIDES) * (2.0 * np.pi / _SIDES)
+        disc = vehicle.radius * np.column_stack([np.cos(angles), np.sin(angles)])
+        pieces = [piece for obstacle in met for piece in at_all_steps(obstacle)]
+        known[key] = [hull((p.vertices[:, None] + disc).reshape(-1, 2)) for p in pieces]
+    return known[key]
+
+
+def _span(
+    scenario: Scenario, vehicle: Vehicle, pieces: Sequence[Polytope], axis: int, largest: float
+) -> _Span | None:
     """Return from where to where across an axis a vehicle may be, crossed where it never is.
 
     None where there is room for two beside its start, or it starts beside all that is free.
@@ -120,25 +141,28 @@ def _span(scenario: Scenario, vehicle: Vehicle, axis: int, largest: float) -> _S
     assert room is not None
     sides = (float(room.lower[1 - axis]), float(room.upper[1 - axis]))
     edges = np.linspace(room.lower[axis], room.upper[axis], _SLABS + 1)
-    angles = np.arange(_SIDES) * (2.0 * np.pi / _SIDES)
-    disc = vehicle.radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    met = met_by(scenario.obstacles, vehicle.name)
-    taken = [
-        _chords(hull((piece.vertices[:, None] + disc).reshape(-1, 2)), axis, edges)
-        for obstacle in met
-        for piece in at_all_steps(obstacle)
-    ]
     place, across = (float(vehicle.start_position[k]) for k in (axis, 1 - axis))
+    if not edges[0] <= place <= edges[-1]:
+        return None
     begin = int(np.clip(np.searchsorted(edges, place) - 1, 0, _SLABS - 1))
-
-    def free(k: int) -> list[_Interval]:
-        return _free([(float(low[k]), float(high[k])) for low, high in taken], sides)
-
-    beside = free(begin)
+    (beside,) = _free(pieces, axis, edges[begin : begin + 2], sides)
     here = [n for n, (low, high) in enumerate(beside) if low <= across <= high]
     if not here or beside[here[0]][1] - beside[here[0]][0] >= vehicle.radius + largest:
         return None
-    return _connected([free(k) for k in range(_SLABS)], begin, here[0])
+    return _connected(_free(pieces, axis, edges, sides), begin, here[0])
+
+
+def _free(
+    pieces: Sequence[Polytope], axis: int, edges: Vector, sides: _Interval
+) -> list[list[_Interval]]:
+    """Return what pieces leave of each slab."""
+    count = len(edges) - 1
+    taken: list[list[_Interval]] = [[] for _ in range(count)]
+    for piece in pieces:
+        low, high = _chords(piece, axis, edges)
+        for k in np.flatnonzero(low < high).tolist():
+            taken[k].append((float(low[k]), float(high[k])))
+    return [_left(one, sides) for one in taken]
 
 
 def _chords(piece: Polytope, axis: int, edges: Vector) -> tuple[Vector, Vector]:
@@ -154,10 +178,10 @@ def _chords(piece: Polytope, axis: int, edges: Vector) -> tuple[Vector, Vector]:
     return np.maximum(low[:-1], low[1:]), np.minimum(high[:-1], high[1:])
 
 
-def _free(taken: Sequence[_Interval], sides: _Interval) -> list[_Interval]:
+def _left(taken: Sequence[_Interval], sides: _Interval) -> list[_Interval]:
     """Return what is left between two sides."""
     found, begin = [], sides[0]
-    for low, high in sorted(one for one in taken if one[0] < one[1]):
+    for low, high in sorted(taken):
         if low >= begin:
             found.append((begin, min(low, sides[1])))
         begin = max(begin, high)
