@@ -11,7 +11,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse.csgraph import dijkstra
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.geometry.polytope import Polytope, hull
@@ -65,11 +64,9 @@ class Corners:
         is_seen[-len(stops) :] = views
         is_seen[:, -len(stops) :] |= views.T
         lengths = (np.abs(points[:, None] - points) / speed).max(axis=-1)
-        # Zero is no link: what is at the same place is a rounding apart.
-        links = np.where(is_seen, np.maximum(lengths, 1e-12), 0.0)
-        first = np.arange(count - len(stops), count)
-        found = dijkstra(links, indices=first[:-1])
-        return np.asarray(found[np.arange(len(stops) - 1), first[1:]])
+        links = np.where(is_seen, lengths, np.inf)
+        first = range(count - len(stops), count - 1)
+        return np.array([_shortest(links, i, i + 1) for i in first])
 
 
 def corners_around(
@@ -105,6 +102,22 @@ def corners_around(
         is_within |= (points @ piece.normals.T - piece.offsets).max(axis=1) < -_GRAZED
     points = points[~is_within]
     return Corners(grown, points, _seen(points, points, grown))
+
+
+def _shortest(links: Matrix, begin: int, end: int) -> float:
+    """Return the length of the shortest way through a graph that is as good as complete."""
+    lengths = np.full(len(links), np.inf)
+    lengths[begin] = 0.0
+    left = lengths.copy()
+    while np.isfinite(left).any():
+        nearest = int(left.argmin())
+        if nearest == end:
+            break
+        is_nearer = lengths[nearest] + links[nearest] < lengths
+        lengths[is_nearer] = lengths[nearest] + links[nearest, is_nearer]
+        left[is_nearer] = lengths[is_nearer]
+        left[nearest] = np.inf
+    return float(lengths[end])
 
 
 def _seen(begins: Matrix, ends: Matrix, grown: Sequence[Polytope]) -> npt.NDArray[np.bool_]:

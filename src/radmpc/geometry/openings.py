@@ -134,11 +134,12 @@ class Barriers:
         is_kept = ~(_meets(begins, ends, target) | _meets(begins, ends, (place, place))).any(axis=1)
         is_odd = _crossings(self.curves, place, line / length, length) % 2 == 1
         kept = np.flatnonzero(is_kept)
-        if not _has_odd(self.pairs[kept], is_odd[kept], self.count + 1):
+        if not is_odd[kept].any():
             return None
         joined = self.pairs[kept].tolist()
         found = _first_odd(joined, is_odd[kept].tolist())
-        assert found is not None
+        if found is None:
+            return None
         last, around = found
         middle = 0.5 * (self.curves[kept[last], 1] + self.curves[kept[last], 2])
         between = (joined[last][0], joined[last][1])
@@ -204,22 +205,6 @@ def _crossings(curves: Tensor, place: Vector, along: Vector, length: float) -> I
     where = far[:, :-1] + share * (far[:, 1:] - far[:, :-1])
     is_on = is_across & (where > 0.0) & (where < length)
     return np.asarray(np.count_nonzero(is_on, axis=1))
-
-
-def _has_odd(pairs: Indices, is_odd: npt.NDArray[np.bool_], count: int) -> bool:
-    """Whether any closed curve crosses an odd number of times: of most ways none does."""
-    if not is_odd.any():
-        return False
-    from scipy.sparse import coo_array  # noqa: PLC0415 - most lines cross nothing
-    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415 - see above
-
-    # Every piece twice: as it is come to by an even and by an odd number of crossings.
-    one, other = pairs.T
-    begins = np.concatenate([one, one + count])
-    ends = np.concatenate([other + count * is_odd, other + count * ~is_odd])
-    links = coo_array((np.ones(len(begins)), (begins, ends)), shape=(2 * count, 2 * count))
-    _, labels = connected_components(links, directed=False)
-    return bool(np.any(labels[:count] == labels[count:]))
 
 
 def _first_odd(

@@ -17,7 +17,6 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
-from radmpc.planners.wording import listed
 from radmpc.records import dataclass
 
 __all__ = ["BarriersOfAll", "Closed", "at_all_steps", "closed_text"]
@@ -147,6 +146,8 @@ def closed_text(vehicle: Vehicle, closed: Closed) -> str:
 def _what_closes(vehicle: Vehicle, closed: Closed) -> str:
     """Say what closes a way."""
     if closed.is_shut:
+        from radmpc.planners.wording import listed  # noqa: PLC0415 - loads what checks do without
+
         named = [_named(name) for name in closed.around[:_NAMED]]
         if len(closed.around) > _NAMED:
             named.append(f"{len(closed.around) - _NAMED} more")
