@@ -160,7 +160,7 @@ def test_a_narrow_gap_is_named_with_its_place_and_what_it_costs() -> None:
 
 def test_vehicles_that_share_a_concern_share_a_line() -> None:
     scenario = of_scene("goal-too-near-fleet")
-    slow = replace(scenario, horizon=24, vehicles=scenario.vehicles[:3])
+    slow = replace(scenario, horizon=25, vehicles=scenario.vehicles[:3])
     (concern,) = warned(slow, "time")
     assert concern.vehicles == ("usv1", "usv2", "usv3")
     assert concern.text.count("lengthen") == 1

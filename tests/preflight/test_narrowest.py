@@ -8,6 +8,7 @@ import shapely
 
 from radmpc import Goal, LinearSystem, Obstacle, Scenario, Vehicle, Workspace, double_integrator
 from radmpc.geometry import box, hull
+from radmpc.preflight.concerns import concerns_of
 from radmpc.preflight.distances import Surroundings, side_of
 from radmpc.preflight.grid import grid_of, widened
 from radmpc.preflight.outlook import outlook_of
@@ -75,7 +76,10 @@ def test_what_does_not_fit_lacks_what_it_lacks() -> None:
 
 def test_a_wall_without_thickness_has_no_way_through() -> None:
     fence = Obstacle.line("fence", [[9.7, -200.0], [9.7, 200.0]])
-    assert narrowest(past(fence)).clearance < -0.1
+    (seen,) = outlook_of(past(fence)).vehicles
+    assert seen.narrowest is Passage.CLOSED
+    (concern,) = concerns_of(outlook_of(past(fence)))
+    assert "cannot be at its goal by step 16 (16 s): around obstacles that takes" in concern.text
 
 
 def test_a_gap_of_plenty_is_wide() -> None:
@@ -136,7 +140,11 @@ def test_a_gate_that_opens_late_is_waited_for() -> None:
 
     south = Obstacle.box("south", [9.0, -200.0], [10.0, -0.7])
     assert is_wide(past(south, gate(6)))
-    assert narrowest(past(south, gate(14))).clearance < 0.0
+    late = outlook_of(past(south, gate(14)))
+    assert late.vehicles[0].narrowest is Passage.CLOSED
+    texts = [concern.text for concern in concerns_of(late)]
+    said = "no path to the goal in time is wide enough, and straight ahead 'gate' stands"
+    assert any(said in text for text in texts)
 
 
 def test_a_gap_in_space_is_measured() -> None:

@@ -217,7 +217,8 @@ class Plan:
         gap = self.certified_gap
         if gap is None or self.status not in {Status.OPTIMAL, Status.FEASIBLE}:
             return sentence
-        saved = f"no plan that could be certified costs {percent(gap)} less"
+        less = "less" if percent(gap) == percent(0.0) else f"{percent(gap)} less"
+        saved = f"no plan that could be certified costs {less}"
         if self.status is Status.OPTIMAL:
             return f"plan found, optimal among plans by faces; {saved}"
         return f"{sentence}; {saved}"

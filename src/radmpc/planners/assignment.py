@@ -26,7 +26,7 @@ from radmpc.planners.outcome.record import Certifying
 from radmpc.planners.planner import Improved, Planner, Run
 from radmpc.program.build import condensed_models, cost_of_time
 from radmpc.records import dataclass, replace
-from radmpc.solvers.solution import relative_gap
+from radmpc.solvers.solution import Limits, relative_gap
 from radmpc.wording import count_text
 
 __all__ = ["assigned", "least_costs"]
@@ -191,6 +191,8 @@ def _planned(
     if is_late and not run.limits.reached:
         # The limit that was asked for is not reached, and nobody is to read that it was.
         draft = replace(draft, stopped_by=_SHARE_USED)
+    if draft.status is Status.LIMIT and not draft.explanation:
+        draft = replace(draft, explanation=_why_none(draft, run.limits, limits))
     cost = inf
     if draft.controls:
         cost = sum(
@@ -203,6 +205,13 @@ def _planned(
     is_ruled_out = is_ruled_out and draft.rules_out_any
     on_any = inf if is_ruled_out else max(draft.certified_lower_bound or 0.0, least)
     return _Planned(goals, there, draft, cost, by_faces, on_any)
+
+
+def _why_none(draft: Draft, limits: Limits, share: Limits) -> str:
+    """Return what ended the search for a plan with some goals, within all limits or its share."""
+    ended = draft.stopped_by or limits.reason or (_SHARE_USED if share.reason else "")
+    told = f": {ended}" if ended else ""
+    return f"No plan was found with these goals, and none was ruled out{told}."
 
 
 def _answer(

@@ -15,7 +15,7 @@ from radmpc.planners.cures.trying import passage_sentence, reach_sentence
 from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.planner import Planner
 from radmpc.planners.policies.policy import SolveRequest
-from radmpc.planners.presolve import Reason, endpoint_reasons, grouped
+from radmpc.planners.presolve import Reason, enclosed_reasons, endpoint_reasons, grouped
 from radmpc.planners.reaching.empty_space import in_empty_space
 from radmpc.planners.reaching.limits import reach_texts, too_fast_texts
 from radmpc.planners.reaching.reserves import overdrawn_texts
@@ -43,8 +43,8 @@ _MAX_NODES = 2_000
 def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> str:
     """Find the simplest reason why vehicles cannot be planned.
 
-    Tried in this order: feedback that needs more control than there is, goals out of reach,
-    risk at the start, things that cannot be avoided wherever the vehicles may be, single
+    Tried in this order: feedback that needs more control than there is, goals out of reach, closed
+    ways, risk at the start, things that cannot be avoided wherever the vehicles may be, single
     vehicles, pairs.
 
     Parameters
@@ -71,6 +71,9 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
         late = [i for reason in unable for i in reason.members]
         cure = reach_sentence(scenario, late, _all_reach, limits)
         return " ".join(filter(None, [*(text for _, text in grouped(scenario, unable)), cure]))
+    closed = enclosed_reasons(scenario)
+    if closed:
+        return " ".join(text for _, text in grouped(scenario, closed))
     text, members = _no_way(scenario, planner, limits)
     if not members:
         return text

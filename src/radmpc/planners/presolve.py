@@ -1,11 +1,11 @@
-"""What rules out any plan before a search: control reserve, time, and risk at starts and goals.
+"""What rules out any plan before a search: control, time, closed ways, risk at starts and goals.
 
 Every reason here is a proof: no plan exists, whatever the half-spaces or alternatives.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard, Floors, floors
@@ -22,6 +22,7 @@ from radmpc.records import dataclass
 
 __all__ = [
     "Reason",
+    "enclosed_reasons",
     "endpoint_reasons",
     "grouped",
     "hazards_of",
@@ -82,7 +83,91 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
     if not are_surely_harmless(scenario, models):
         reasons += endpoint_reasons(scenario, floors(scenario, models))
     reasons += _lost_ranges(scenario, models) if scenario.keep else []
+    reasons += enclosed_reasons(scenario, {i for reason in reasons for i in reason.members})
+    reasons += late_around(scenario, models, {i for reason in reasons for i in reason.members})
+    reasons += blocked_by_another(scenario)
     return reasons + [Reason(*told) for told in visit_sentences(scenario, models)]
+
+
+def blocked_by_another(scenario: Scenario) -> list[Reason]:
+    """Say which vehicles have to pass each other in a passage that is too narrow for two.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+
+    Returns
+    -------
+    list of Reason
+        One per pair; each is a proof for every plan along intervals.
+    """
+    if scenario.num_vehicles < 2 or scenario.workspace is None:
+        return []
+    from radmpc.planners.reaching.passing import blocked_pairs, blocked_text  # noqa: PLC0415 - see above
+
+    found = blocked_pairs(scenario)
+    return [Reason(one.members, blocked_text(scenario, one)) for one in found]
+
+
+def enclosed_reasons(scenario: Scenario, exempt: Collection[int] = ()) -> list[Reason]:
+    """Say which vehicles have no way to a visit or their goal, however long it takes.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    exempt : collection of int
+        Vehicles that nothing more has to be said of.
+
+    Returns
+    -------
+    list of Reason
+        One per vehicle; a closed way is a proof for every plan along intervals.
+    """
+    if not scenario.obstacles:
+        return []
+    from radmpc.planners.reaching.enclosed import BarriersOfAll, closed_text  # noqa: PLC0415 - see above
+
+    barriers, reasons = BarriersOfAll(scenario), []
+    for i, vehicle in enumerate(scenario.vehicles):
+        closed = None if i in exempt else barriers.closed(vehicle)
+        if closed is not None:
+            text = f"Vehicle {vehicle.name!r} {closed_text(vehicle, closed)}."
+            reasons.append(Reason((i,), text))
+    return reasons
+
+
+def late_around(
+    scenario: Scenario, models: Sequence[CondensedModel], exempt: Collection[int] = ()
+) -> list[Reason]:
+    """Say which vehicles are late for a visit or their goal at full speed around obstacles.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    models : sequence of CondensedModel
+        Its vehicles over the whole horizon.
+    exempt : collection of int
+        Vehicles that nothing more has to be said of.
+
+    Returns
+    -------
+    list of Reason
+        One per vehicle; each is a proof for every plan along intervals.
+    """
+    if not scenario.obstacles:
+        return []
+    from radmpc.planners.reaching.around import WaysAround, late_text  # noqa: PLC0415 - see above
+
+    ways, reasons = WaysAround(scenario), []
+    for i, model in enumerate(models):
+        late = None if i in exempt else ways.late(model.vehicle, model.control_bounds)
+        if late is not None:
+            text = f"{late_text(scenario, late)}."
+            reasons.append(Reason((i,), text, text.replace(" its ", " their ")))
+    return reasons
 
 
 def _lost_ranges(scenario: Scenario, models: Sequence[CondensedModel]) -> list[Reason]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.planners.reaching.passing import blocked_pairs, blocked_text
 from radmpc.preflight.cures import (
     control_cures,
     deviation_cures,
@@ -21,7 +22,7 @@ from radmpc.preflight.feedback import is_unstable, stable_cures, unstable_text
 from radmpc.preflight.narrow_concerns import describe_narrow, narrow_cures
 from radmpc.preflight.noise import NoiseKind, idle_measurement, noise_warnings, quiet_axes
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
-from radmpc.preflight.time_concerns import describe_time, describe_unable
+from radmpc.preflight.time_concerns import describe_late, describe_time, describe_unable
 from radmpc.records import dataclass, replace
 
 __all__ = ["Concern", "Kind", "concerns_of"]
@@ -130,8 +131,15 @@ def concerns_of(outlook: Outlook) -> tuple[Concern, ...]:
     ]
     noise = (Concern(kind, (), text, False) for kind, text in noise_warnings(scenario))
     ends = (Concern("endpoint", *told) for told in describe_endpoints(outlook))
-    told = [*ends, *_risky_visits(outlook), *_grouped(found), *noise]
+    told = [*ends, *_risky_visits(outlook), *_grouped(found), *_blocked(scenario), *noise]
     return tuple(sorted(told, key=lambda concern: not concern.is_fatal))
+
+
+def _blocked(scenario: Scenario) -> Iterator[Concern]:
+    """Yield the pairs that have to pass each other where there is no room for two."""
+    for pair in blocked_pairs(scenario):
+        names = tuple(scenario.vehicles[i].name for i in pair.members)
+        yield Concern("narrow", names, blocked_text(scenario, pair).rstrip("."), is_fatal=True)
 
 
 def _risky_visits(outlook: Outlook) -> Iterator[Concern]:
@@ -164,7 +172,8 @@ def _with_any_feedback(
     yield from _control(scenario, vehicle, seen)
     yield from _time(scenario, vehicle, seen)
     for text, weight in describe_narrow(scenario, seen):
-        yield _Found("narrow", seen.name, text, weight, cures=partial(narrow_cures, scenario, seen))
+        cures, is_closed = partial(narrow_cures, scenario, seen), seen.closed is not None
+        yield _Found("narrow", seen.name, text, weight, is_closed, cures=cures)
     most = _SMALL * scenario.risk_bound
     if seen.saturation is not None and seen.saturation > most:
         yield _Found(
@@ -215,6 +224,10 @@ def _time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterato
     unable = describe_unable(scenario, vehicle)
     if unable is not None and unable.kind == "time":
         yield _Found("time", seen.name, unable.text, unable.weight, True, cures=unable.cures)
+        return
+    late = describe_late(scenario, seen) if unable is None else None
+    if late is not None:
+        yield _Found(late.kind, seen.name, late.text, late.weight, True, late.horizon)
         return
     time = describe_time(scenario, vehicle, seen)
     if time is not None:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import product
 from math import ceil
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.geometry import Polytope
+from radmpc.geometry.through import leads_through
 from radmpc.records import dataclass
 
-__all__ = ["Field", "Grid", "grid_of", "widened"]
+__all__ = ["Field", "Grid", "Walls", "grid_of", "widened"]
 
 Field = npt.NDArray[np.float32]
 
@@ -162,3 +165,133 @@ def widened(field: Field) -> Field:
         np.maximum(grown[:-1], along[1:], out=grown[:-1])
         field = np.swapaxes(grown, 0, axis)
     return field
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Walls:
+    """Moves between neighbors that pieces stand in, and what leads around these in the same tick.
+
+    Places within pieces count as none: whoever uses these keeps vehicles from their cells.
+
+    Attributes
+    ----------
+    targets : (m,) int array
+        Cells, by their places among `Grid.centers`, to which some neighbor has no straight way.
+    sources : (m, 3^d) int array
+        Neighbors that have one, the cell itself included; the number of cells stands for none.
+    detours : (k, 3) int array
+        Of moves that have none: the row of their target, a neighbor of both ends with a straight
+        way to either, and where they begin.
+    """
+
+    targets: Indices
+    sources: Indices
+    detours: Indices
+
+    @classmethod
+    def of(cls, grid: Grid, places: Matrix, pieces: Sequence[Polytope]) -> Walls:
+        """Find them.
+
+        Parameters
+        ----------
+        grid : Grid
+            The grid.
+        places : (c, d) array
+            Where in each cell the vehicle is [m].
+        pieces : sequence of Polytope
+            What stands there.
+        """
+        shape, count = grid.shape, len(places)
+        offsets = np.array(list(product((-1, 0, 1), repeat=len(shape))))
+        found = [np.zeros(0, dtype=np.int64)]
+        for piece in pieces:
+            corners = piece.vertices
+            near = grid.within(
+                corners.min(axis=0) - 2.5 * grid.size, corners.max(axis=0) + 2.5 * grid.size
+            )
+            # Within a piece there is nowhere to be, and no move is needed to say so.
+            heights = places[near] @ piece.normals.T - piece.offsets
+            near = near[heights.max(axis=1) > 0.0]
+            around = _neighbors(near, offsets[len(offsets) // 2 + 1 :], shape)
+            begins, ends = np.repeat(near, around.shape[1]), around.ravel()
+            is_pair = np.isin(ends, near)
+            begins, ends = begins[is_pair], ends[is_pair]
+            is_shut = leads_through(piece, places[begins], places[ends])
+            one, other = begins[is_shut], ends[is_shut]
+            found += [one * count + other, other * count + one]
+        shut = np.unique(np.concatenate(found))
+        begins, ends = np.divmod(shut, count)
+        targets, rows = np.unique(ends, return_inverse=True)
+        sources = _open(targets, _neighbors(targets, offsets, shape), shut, count)
+        # By way of a common neighbor: corners are rounded in a tick as if they were cut.
+        between = _open(ends, _neighbors(ends, offsets, shape), shut, count)
+        moves, which = np.nonzero(between < count)
+        vias, firsts = between[moves, which], begins[moves]
+        apart = np.stack(np.unravel_index(vias, shape)) - np.stack(np.unravel_index(firsts, shape))
+        is_way = np.all(np.abs(apart) <= 1, axis=0) & ~np.isin(firsts * count + vias, shut)
+        detours = np.stack([rows[moves], vias, firsts], axis=1)[is_way]
+        return cls(targets, sources, detours)
+
+    def widened(self, field: Field, here: Field) -> Field:
+        """Return the largest value within one cell along each axis that has a way there.
+
+        Parameters
+        ----------
+        field : array
+            A value per cell.
+        here : array
+            What no value exceeds on a detour.
+        """
+        after = np.ascontiguousarray(widened(field))
+        if self.targets.size:
+            values = np.append(field.ravel(), np.float32(-np.inf))
+            best = values[self.sources].max(axis=1)
+            rows, vias, firsts = self.detours.T
+            np.maximum.at(best, rows, np.minimum(values[firsts], here.ravel()[vias]))
+            after.reshape(-1)[self.targets] = best
+        return after
+
+    def before(
+        self, cell: tuple[int, ...], field: Field, here: Field
+    ) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Return from which cell the largest value comes that `widened` gives one, and by which.
+
+        Parameters
+        ----------
+        cell : tuple of int
+            The cell.
+        field, here : array
+            As for `widened`.
+        """
+        shape, flat = field.shape, int(np.ravel_multi_index(cell, field.shape))
+        values, most = field.ravel(), here.ravel()
+        row = int(np.searchsorted(self.targets, flat))
+        if row == len(self.targets) or self.targets[row] != flat:
+            offsets = np.array(list(product((-1, 0, 1), repeat=len(shape))))
+            around = _neighbors(np.array([flat]), offsets, shape)[0]
+            ways = np.zeros((0, 2), dtype=np.int64)
+        else:
+            around = self.sources[row]
+            ways = self.detours[self.detours[:, 0] == row, 1:]
+        around = around[around < values.size]
+        vias, firsts = (
+            np.append(np.full(len(around), flat), ways[:, 0]),
+            np.append(around, ways[:, 1]),
+        )
+        passed = np.where(vias == flat, values[firsts], np.minimum(values[firsts], most[vias]))
+        best = int(passed.argmax())
+        first, via = (np.unravel_index(k, shape) for k in (firsts[best], vias[best]))
+        return tuple(int(i) for i in first), tuple(int(i) for i in via)
+
+
+def _neighbors(cells: Indices, offsets: Indices, shape: tuple[int, ...]) -> Indices:
+    """Return what is beside cells, (k, o); the number of cells where there is nothing."""
+    found = np.stack(np.unravel_index(cells, shape), axis=1)[:, None] + offsets
+    is_there = np.all((found >= 0) & (found < shape), axis=2)
+    flat = np.ravel_multi_index(tuple(np.moveaxis(found, 2, 0)), shape, mode="clip")
+    return np.where(is_there, flat, int(np.prod(shape)))
+
+
+def _open(targets: Indices, neighbors: Indices, shut: Indices, count: int) -> Indices:
+    """Return neighbors from which there is a straight way, the number of cells for the others."""
+    return np.where(np.isin(neighbors * count + targets[:, None], shut), count, neighbors)

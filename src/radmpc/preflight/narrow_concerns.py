@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from radmpc.errors import ScenarioError
+from radmpc.geometry.through import leads_through
+from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.model.workspace import Workspace
 from radmpc.planners.cures.variants import (
@@ -16,6 +18,7 @@ from radmpc.planners.cures.variants import (
     with_horizon,
     with_noise,
 )
+from radmpc.planners.reaching.enclosed import closed_text
 from radmpc.preflight.outlook import VehicleOutlook, outlook_of
 from radmpc.preflight.places import Narrowest, Passage
 from radmpc.preflight.reserve import tails
@@ -54,8 +57,20 @@ def describe_narrow(scenario: Scenario, seen: VehicleOutlook) -> Iterator[tuple[
         A sentence without the vehicle's name, and how bad it is: inf where nothing fits through.
     """
     place = seen.narrowest
-    if not isinstance(place, Narrowest):
+    if seen.closed is not None:
+        whom = next(v for v in scenario.vehicles if v.name == seen.name)
+        yield closed_text(whom, seen.closed), np.inf
         return
+    if place is Passage.CLOSED and seen.late is None:  # else that is said of its time
+        yield _without_path(scenario, seen.name), np.inf
+    elif isinstance(place, Narrowest):
+        yield from _describe_place(scenario, seen, place)
+
+
+def _describe_place(
+    scenario: Scenario, seen: VehicleOutlook, place: Narrowest
+) -> Iterator[tuple[str, float]]:
+    """Yield what is to be said of a narrowest place that is known, if anything."""
     if place.step in {0, scenario.horizon} and place.clearance >= 0.0:
         return  # it is the start or the goal, of which more is said elsewhere
     if max(seen.start_risk, seen.goal_risk) > scenario.risk_bound:
@@ -96,20 +111,44 @@ def narrow_cures(scenario: Scenario, seen: VehicleOutlook) -> str:
     str
         In the imperative, joined by "or"; empty where nothing that was tried does.
     """
+    if seen.closed is not None and seen.closed.is_shut:
+        return ""  # there is nothing to widen, and no hull is small enough
     i = [vehicle.name for vehicle in scenario.vehicles].index(seen.name)
     alone = scenario.subset((i,), scenario.risk_bound)
     place = seen.narrowest
-    assert isinstance(place, Narrowest)
 
     def does(candidate: Scenario | None) -> bool:
         return candidate is not None and _is_roomy(candidate)
 
+    if not isinstance(place, Narrowest):
+        return ", or ".join(_longer(alone, does))
     found = [*_wider(alone, place, does), *_longer(alone, does), *_steered(alone, does)]
     if place.clearance > 0.0 and place.deviations is not None:
         quieter = rounded_down(place.deviations / _enough(scenario))
         if quieter < 1.0 and does(with_noise(alone, quieter**2)):
             found.append(f"reduce the noise to {quieter:g} of its standard deviations")
     return ", or ".join(found)
+
+
+def _without_path(scenario: Scenario, name: str) -> str:
+    """Say that a vehicle gets to its goal in time through what stands there alone."""
+    from radmpc.planners.wording import listed  # noqa: PLC0415 - loads what checks do without
+
+    vehicle = next(v for v in scenario.vehicles if v.name == name)
+    begin = vehicle.start_position[None]
+    end = np.clip(begin, vehicle.goal.lower, vehicle.goal.upper)
+    names = [
+        repr(obstacle.name)
+        for obstacle in met_by(scenario.obstacles, name)
+        if any(leads_through(piece, begin, end)[0] for piece in obstacle.at(0))
+    ]
+    told = f", and straight ahead {listed(names)} {_stand(names)} in the way" if names else ""
+    return f"no path to the goal in time is wide enough{told}"
+
+
+def _stand(names: list[str]) -> str:
+    """Return the verb of these."""
+    return "stand" if len(names) > 1 else "stands"
 
 
 def _is_roomy(alone: Scenario) -> bool:

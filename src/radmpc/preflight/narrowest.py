@@ -8,24 +8,15 @@ What W is at the goal in the end, no path exceeds but for the grid's sake.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import log, sqrt
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor, Vector
-from radmpc.model.scenario import Scenario
+from radmpc.arrays import Matrix, Vector
 from radmpc.preflight.distances import Side, Surroundings
-from radmpc.preflight.grid import Field, Grid, grid_of, widened
-from radmpc.preflight.places import Narrowest, Passage
-from radmpc.records import dataclass
+from radmpc.preflight.grid import Field, Grid, Walls, grid_of
+from radmpc.preflight.places import Narrowest, Passage, Traveler
 
-__all__ = ["Traveler", "narrowest_place"]
-
-_FEWEST, _MOST = 5.0, 8.5
-"""Clearances that are looked for at least and at most, whatever Δ [standard deviations]."""
-
-_LEAST_DEVIATION = 1e-3
-"""Standard deviation that stands for less, where places are compared [hull radii]."""
+__all__ = ["narrowest_place"]
 
 _ACROSS = 33
 """Places across a gap at which it is measured [-]."""
@@ -36,73 +27,8 @@ _AWAY = (0.25, 0.5, 0.75, 1.0)
 _ALONG = 9
 """Places along each side of a goal at which its clearance is measured [-]."""
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Traveler:
-    """A vehicle on its way through a scenario.
-
-    Attributes
-    ----------
-    scenario : Scenario
-        The scenario.
-    radius : float
-        Hull radius [m].
-    start : (d,) array
-        Mean position at the start [m].
-    goal : pair of (d,) array
-        Corners of the goal [m].
-    covariances : (T+1, d, d) array
-        Position covariances [m²].
-    reach : pair of (T+1, d) array
-        Corners of boxes that hold its mean [m].
-    """
-
-    scenario: Scenario
-    radius: float
-    start: Vector
-    goal: tuple[Vector, Vector]
-    covariances: Tensor
-    reach: tuple[Matrix, Matrix]
-
-    @property
-    def enough(self) -> float:
-        """Clearance beyond which no place is narrow [standard deviations]."""
-        # Its tail is at most exp(−q²/2)/2: this one runs a ten-thousandth of Δ.
-        return min(max(sqrt(-2.0 * log(2e-4 * self.scenario.risk_bound)), _FEWEST), _MOST)
-
-    def surroundings(self, step: int) -> Surroundings:
-        """Return what it has to keep clear of, see `Surroundings.of`."""
-        return Surroundings.of(self.scenario, self.radius, step)
-
-    @property
-    def least(self) -> float:
-        """Standard deviation that stands for less, where places are compared [m]."""
-        return _LEAST_DEVIATION * self.radius
-
-    @property
-    def far(self) -> float:
-        """Distance of the hull from anything, beyond which no clearance is too little [m]."""
-        widest = np.linalg.eigvalsh(self.covariances)[:, -1].max()
-        spreads = [o.spread for o in self.scenario.obstacles if o.spread is not None]
-        steps = range(self.scenario.horizon + 1)
-        # Deviations of two add up to less than their sum.
-        more = max((spread.deviation(k) for spread in spreads for k in steps), default=0.0)
-        return self.enough * max(float(np.sqrt(max(widest, 0.0))) + more, self.least)
-
-    def covariance(self, name: str | None, step: int) -> Matrix:
-        """Return the covariance of its position relative to an obstacle, (d, d) [m²].
-
-        Parameters
-        ----------
-        name : str or None
-            The obstacle; None for the workspace's border.
-        step : int
-            The step, 0 to T.
-        """
-        for obstacle in self.scenario.obstacles:
-            if obstacle.name == name and obstacle.spread is not None:
-                return np.asarray(self.covariances[step] + obstacle.spread.positions[step])
-        return np.asarray(self.covariances[step])
+_World = tuple[Field, Walls]
+"""Clearances of all cells, and which of them are beside each other."""
 
 
 def narrowest_place(traveler: Traveler, work: float) -> Narrowest | Passage:
@@ -154,46 +80,75 @@ def _search(traveler: Traveler, grid: Grid) -> Narrowest | Passage:
     box = grid.box(*traveler.goal)
     if not is_moving:
         # Centers alone, and the largest deviation of all, are quick and often enough.
-        careful = _careful_field(traveler, grid, centers)
-        ends = _swept(traveler, grid, lambda step: careful)[-1]
+        careful = _careful_field(traveler, grid, centers), _careful_walls(traveler, grid, centers)
+        ends = _swept(traveler, grid, lambda step: careful)[0][-1]
         if ends[box].max(initial=-np.inf) >= traveler.enough:
             return Passage.WIDE
     sides: list[Side] = []
+    walls: Walls | None = None
 
-    def field_at(step: int) -> Field:
-        nonlocal sides
-        if is_moving or not sides:
-            sides = _sides(traveler, grid, centers, step)
-        return _field(traveler, grid, sides, step)
+    def world_at(step: int) -> _World:
+        nonlocal sides, walls
+        if is_moving or walls is None:
+            sides, places = _sides(traveler, grid, centers, step)
+            walls = _walls(traveler, grid, places, step)
+        return _field(traveler, grid, sides, step), walls
 
-    fields = _swept(traveler, grid, field_at)
+    fields, worlds = _swept(traveler, grid, world_at)
     best = fields[-1][box].max(initial=-np.inf)
     if not np.isfinite(best):
-        return Passage.UNKNOWN
+        return _without_way(traveler, grid, box)
     if best >= traveler.enough:
         return Passage.WIDE
     ends = np.full(grid.shape, -np.inf, dtype=np.float32)
     ends[box] = fields[-1][box]
     last = np.unravel_index(int(ends.argmax()), grid.shape)
-    tick, cell = _traced(fields, tuple(int(i) for i in last))
+    tick, cell = _traced(fields, worlds, tuple(int(i) for i in last))
     return _measured(traveler, grid, centers[np.ravel_multi_index(cell, grid.shape)], tick)
 
 
-def _swept(traveler: Traveler, grid: Grid, field_at: Callable[[int], Field]) -> list[Field]:
-    """Return at every tick the least clearance on the roomiest path to each cell."""
+def _without_way(traveler: Traveler, grid: Grid, box: tuple[slice, ...]) -> Passage:
+    """Return why no path was found: what stands there, or limits alone."""
+    nothing = (
+        np.full(grid.shape, traveler.enough, dtype=np.float32),
+        Walls.of(grid, grid.centers, ()),
+    )
+    ends = _swept(traveler, grid, lambda step: nothing)[0][-1]
+    return Passage.CLOSED if np.isfinite(ends[box].max(initial=-np.inf)) else Passage.UNKNOWN
+
+
+def _swept(
+    traveler: Traveler, grid: Grid, world_at: Callable[[int], _World]
+) -> tuple[list[Field], list[_World]]:
+    """Return at every tick the least clearance on the roomiest path to each cell, and the world."""
     at_steps = traveler.scenario.avoidance == "steps"
     fields: list[Field] = [np.full(grid.shape, -np.inf, dtype=np.float32)]
     fields[0][grid.box(traveler.start, traveler.start)] = traveler.enough
-    known, here = -1, fields[0]
+    known, worlds = -1, [world_at(int(grid.steps[0]))]
     for tick in range(1, len(grid.steps)):
         step = int(grid.steps[tick])
         if step != known:
-            known, here = step, field_at(step)
-        after = widened(fields[-1])
+            known, world = step, world_at(step)
+        here, walls = world
+        worlds.append(world)
+        after = walls.widened(fields[-1], here)
         if not at_steps or grid.is_step[tick]:
             np.minimum(after, here, out=after)
         fields.append(_within(traveler, grid, after, tick))
-    return fields
+    return fields, worlds
+
+
+def _walls(traveler: Traveler, grid: Grid, places: Matrix, step: int) -> Walls:
+    """Return what a vehicle that is at places of cells cannot pass; at steps alone it can."""
+    at_steps = traveler.scenario.avoidance == "steps"
+    return Walls.of(grid, places, () if at_steps else traveler.surroundings(step).pieces)
+
+
+def _careful_walls(traveler: Traveler, grid: Grid, centers: Matrix) -> Walls:
+    """Return the walls that a hull can pass from center to center with more than it needs."""
+    # Both are further than that from any wall, and neighbors no further apart than a diagonal.
+    is_sure = 2.0 * (traveler.radius + traveler.far) > float(np.linalg.norm(grid.size))
+    return Walls.of(grid, centers, ()) if is_sure else _walls(traveler, grid, centers, 0)
 
 
 def _careful_field(traveler: Traveler, grid: Grid, centers: Matrix) -> Field:
@@ -205,16 +160,21 @@ def _careful_field(traveler: Traveler, grid: Grid, centers: Matrix) -> Field:
 
 
 def _field(traveler: Traveler, grid: Grid, sides: Sequence[Side], step: int) -> Field:
-    """Return the clearances of all cells at a step, each for the best place in the cell."""
+    """Return the clearances of all cells at a step, each for the best place in the cell.
+
+    Within an obstacle there is no place for a hull of any size.
+    """
     field: Field = np.full(np.prod(grid.shape), traveler.enough, dtype=np.float32)
     for side in sides:
         found = side.clearances(traveler.covariance(side.name, step), traveler.least)
+        if side.name is not None:
+            found[side.distances <= -traveler.radius] = -np.inf
         field[side.places] = np.minimum(field[side.places], found)
     return field.reshape(grid.shape)
 
 
-def _sides(traveler: Traveler, grid: Grid, centers: Matrix, step: int) -> list[Side]:
-    """Return all that is near, as seen from the best place in each cell.
+def _sides(traveler: Traveler, grid: Grid, centers: Matrix, step: int) -> tuple[list[Side], Matrix]:
+    """Return all that is near, as seen from the best place in each cell, and these places.
 
     That is somewhere between its center and its border, away from what the center is nearest to.
     """
@@ -230,7 +190,7 @@ def _sides(traveler: Traveler, grid: Grid, centers: Matrix, step: int) -> list[S
         is_better = found > best
         best = np.where(is_better, found, best)
         places = np.where(is_better[:, None], moved, places)
-    return list(around.sides(places, far, grid.within))
+    return list(around.sides(places, far, grid.within)), places
 
 
 def _within(traveler: Traveler, grid: Grid, field: Field, tick: int) -> Field:
@@ -246,16 +206,17 @@ def _within(traveler: Traveler, grid: Grid, field: Field, tick: int) -> Field:
     return kept
 
 
-def _traced(fields: list[Field], cell: tuple[int, ...]) -> tuple[int, tuple[int, ...]]:
+def _traced(
+    fields: list[Field], worlds: list[_World], cell: tuple[int, ...]
+) -> tuple[int, tuple[int, ...]]:
     """Return the tick and the cell at which the path to a cell is narrowest."""
     value = fields[-1][cell]
     for tick in range(len(fields) - 1, 0, -1):
-        first = [max(i - 1, 0) for i in cell]
-        around = fields[tick - 1][tuple(slice(a, i + 2) for a, i in zip(first, cell, strict=True))]
-        if around.max() > value:
-            return tick, cell
-        best = np.unravel_index(int(around.argmax()), around.shape)
-        cell = tuple(a + int(i) for a, i in zip(first, best, strict=True))
+        here, walls = worlds[tick]
+        first, via = walls.before(cell, fields[tick - 1], here)
+        if fields[tick - 1][first] > value:
+            return tick, via if here[via] <= value else cell
+        cell = first
     return 0, cell
 
 

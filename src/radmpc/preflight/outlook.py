@@ -12,11 +12,13 @@ from radmpc.arrays import Matrix, Tensor
 from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.planners.reaching.around import Late, WaysAround
+from radmpc.planners.reaching.enclosed import BarriersOfAll, Closed
 from radmpc.preflight.cures import largest_deviation
 from radmpc.preflight.endpoints import least_risks
-from radmpc.preflight.narrowest import Traveler, narrowest_place
+from radmpc.preflight.narrowest import narrowest_place
 from radmpc.preflight.pace import Pace
-from radmpc.preflight.places import Narrowest, Passage
+from radmpc.preflight.places import Narrowest, Passage, Traveler, closed_place
 from radmpc.preflight.reserve import Reserve, expected_saturation, reserve_of
 from radmpc.records import dataclass, replace
 
@@ -63,6 +65,10 @@ class VehicleOutlook:
         Earliest step of each of its visits and of its arrival after them, through empty space with
         what feedback leaves; None from the first that is too late on. Empty without visits, and of
         dynamics that are no double integrator.
+    closed : Closed or None
+        A way to a visit or the goal that is closed for it at all times, where that is known.
+    late : Late or None
+        What it is late for at full speed around obstacles, where that is known.
     """
 
     name: str
@@ -75,6 +81,8 @@ class VehicleOutlook:
     goal_risk: float
     narrowest: Narrowest | Passage
     visits: tuple[int | None, ...] = ()
+    closed: Closed | None = None
+    late: Late | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -145,11 +153,15 @@ def outlook_of(
     endpoints, ranges = least_risks(scenario, places)
     risks = _risks(endpoints, ranges, scenario.num_vehicles)
     work = min(_WORK, _WORK_OF_ALL / scenario.num_vehicles)
+    barriers, ways = BarriersOfAll(scenario), WaysAround(scenario)
     vehicles = []
     for i in range(scenario.num_vehicles):
         if progress is not None:
             progress("looking at vehicles", i, scenario.num_vehicles)
-        vehicles.append(_vehicle(scenario, i, covariances[i], places[i], risks[i], work))
+        closed = barriers.closed(scenario.vehicles[i])
+        one = _vehicle(scenario, i, (covariances[i], places[i]), risks[i], closed, work)
+        late = ways.late(scenario.vehicles[i], scenario.vehicles[i].control_bounds(covariances[i]))
+        vehicles.append(one if late is None else replace(one, late=late))
     return Outlook(scenario, tuple(vehicles), endpoints, ranges)
 
 
@@ -171,13 +183,13 @@ def _risks(
 def _vehicle(
     scenario: Scenario,
     i: int,
-    covariances: Tensor,
-    places: Tensor,
+    spreads: tuple[Tensor, Tensor],
     risks: tuple[float, float],
+    closed: Closed | None,
     work: float,
 ) -> VehicleOutlook:
-    """Look at one vehicle."""
-    vehicle = scenario.vehicles[i]
+    """Look at one vehicle, given the covariances of its state and of its position."""
+    vehicle, (covariances, places) = scenario.vehicles[i], spreads
     bounds = vehicle.control_bounds(covariances)
     pace = Pace.of(vehicle)
     if pace is None:
@@ -196,10 +208,13 @@ def _vehicle(
     if controls is not None and np.all(bounds >= 0.0):
         samples = scenario.covariance_samples
         saturation = expected_saturation(vehicle, covariances, controls, samples)
-        goal = (vehicle.goal.lower, vehicle.goal.upper)
-        mine = replace(scenario, obstacles=met_by(scenario.obstacles, vehicle.name))
-        traveler = Traveler(mine, vehicle.radius, vehicle.start_position, goal, places, reach)
-        narrowest = narrowest_place(traveler, work)
+        if closed is None:
+            goal = (vehicle.goal.lower, vehicle.goal.upper)
+            mine = replace(scenario, obstacles=met_by(scenario.obstacles, vehicle.name))
+            traveler = Traveler(mine, vehicle.radius, vehicle.start_position, goal, places, reach)
+            narrowest = narrowest_place(traveler, work)
+    if closed is not None:
+        narrowest = closed_place(closed, vehicle.radius, places[-1])
     return VehicleOutlook(
         name=vehicle.name,
         least_steps=least,
@@ -211,6 +226,7 @@ def _vehicle(
         goal_risk=risks[1],
         narrowest=narrowest,
         visits=visits,
+        closed=closed,
     )
 
 

@@ -11,13 +11,14 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.planners.reaching.around import late_text
 from radmpc.planners.reaching.drifting import strong_drift_text
 from radmpc.preflight.cures import time_cures
 from radmpc.preflight.outlook import VehicleOutlook
 from radmpc.records import dataclass
 from radmpc.wording import count_text
 
-__all__ = ["TimeConcern", "describe_time", "describe_unable"]
+__all__ = ["TimeConcern", "describe_late", "describe_time", "describe_unable"]
 
 _TIGHT = 0.9
 """Share of the horizon that the least time may take before it is a concern [-]. Of the drawn
@@ -90,6 +91,36 @@ def _starts_fast(vehicle: Vehicle) -> bool:
         return False
     speeds = np.abs(vehicle.start[list(vehicle.system.velocity)])
     return bool(np.any(speeds > vehicle.speed_limit))
+
+
+def describe_late(scenario: Scenario, seen: VehicleOutlook) -> TimeConcern | None:
+    """Return what a vehicle is late for that would be in time with no obstacle in the way.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose step and horizon count.
+    seen : VehicleOutlook
+        What was seen of the vehicle.
+
+    Returns
+    -------
+    TimeConcern or None
+        None where nothing is known, or it is late for more than obstacles.
+    """
+    late, least = seen.late, seen.least_steps_with_feedback
+    if late is None or seen.closed is not None or least is None or least > scenario.horizon:
+        return None
+    cure, horizon = "", None
+    if late.is_horizon and late.least is not None:
+        horizon = ceil(_ROOMY * late.least)
+        cure = f": lengthen the horizon to {late.least} or more"
+    elif late.least is not None:
+        window = "`goal.within`" if late.visit is None else "its window"
+        cure = f": let {window} end at step {late.least} or later"
+    kind: Literal["time", "visit"] = "time" if late.visit is None else "visit"
+    text = f"{late_text(scenario, late)}{cure}"
+    return TimeConcern(kind, text, np.inf, horizon=horizon)
 
 
 def describe_time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> TimeConcern | None:

@@ -237,6 +237,6 @@ def test_a_report_tells_both_lower_bounds_and_how_much_any_plan_could_save(
     bounds = "9.5 for any certified plan, gap 5 %; 9.9 for plans by faces, gap 1 %"
     assert f"10 (lower bounds: {bounds})" in said
     rounded = " ".join(shown(capsys, make_plan(certified_lower_bound=10 - 1e-11)).split())
-    assert "no plan that could be certified costs 0 % less" in rounded
+    assert "no plan that could be certified costs less" in rounded
     alone = " ".join(shown(capsys, make_plan(certified_lower_bound=9.5, lower_bound=None)).split())
     assert "10 (lower bound 9.5 for any certified plan, gap 5 %)" in alone

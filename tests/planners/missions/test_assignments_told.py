@@ -126,6 +126,14 @@ def test_an_assignment_that_ran_out_of_time_leaves_open_whether_there_is_a_plan(
     assert "It is limit." in str(result.explanation)
 
 
+def test_an_assignment_without_a_plan_says_why_even_where_its_planner_does_not(asked) -> None:
+    ended = "the time limit of 5 s was reached"
+    result = asked(drafted(Status.LIMIT, stopped_by=ended), drafted(Status.INFEASIBLE))
+    assert str(result.explanation).endswith(
+        f"No plan was found with these goals, and none was ruled out: {ended}."
+    )
+
+
 def test_without_a_plan_for_any_assignment_there_is_none(asked) -> None:
     result = asked(drafted(Status.INFEASIBLE), drafted(Status.INFEASIBLE))
     assert result.status is Status.INFEASIBLE

@@ -36,10 +36,19 @@ _COLUMNS = (
     "narrowest place",
 )
 
-_PLACES = {Passage.WIDE: "wide", Passage.UNKNOWN: "?", Passage.TOO_LARGE: "not computed"}
+_PLACES = {
+    Passage.WIDE: "wide",
+    Passage.UNKNOWN: "?",
+    Passage.TOO_LARGE: "not computed",
+    Passage.CLOSED: "no path",
+}
 """What stands for a narrowest place where there is none to name."""
 
-_WHY_NOT = {Passage.UNKNOWN: "out of reach", Passage.TOO_LARGE: "too large"}
+_WHY_NOT = {
+    Passage.UNKNOWN: "out of reach",
+    Passage.TOO_LARGE: "too large",
+    Passage.CLOSED: "no path",
+}
 """Why a narrowest place is not known, for programs."""
 
 _NOTHING = 1e-12

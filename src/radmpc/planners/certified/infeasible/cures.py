@@ -19,7 +19,7 @@ from radmpc.planners.cures.variants import (
     with_horizon,
     with_noise,
 )
-from radmpc.planners.cures.windows import later_window
+from radmpc.planners.cures.windows import later_visit, later_window
 from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import hazards_of
@@ -167,18 +167,31 @@ def _more_time(
     scenario: Scenario, models: Sequence[CondensedModel], limits: Limits
 ) -> tuple[list[str], list[str]]:
     """Return which later end of windows or of the horizon does, and what was tried in vain."""
+
+    def does(changed: Scenario) -> bool:
+        return has_plan_within(changed, limits.within(TUNING.trial_seconds))
+
     late = [i for i, model in enumerate(models) if is_late_whatever_horizon(model)]
     if late:
-
-        def does(changed: Scenario) -> bool:
-            return has_plan_within(changed, limits.within(TUNING.trial_seconds))
-
         later = later_window(scenario, late, does)
         return ([later], []) if later else ([], [])
+    told = list(filter(None, (later_visit(scenario, *one, does) for one in _visits(scenario))))
+    if told:
+        return told, []
     horizon = _longer(scenario, limits)
     if isinstance(horizon, int):
         return [longer_text(scenario, horizon)], []
     return [], [horizon] if horizon else []
+
+
+def _visits(scenario: Scenario) -> list[tuple[int, int]]:
+    """Return the visits whose windows are tried: those that end before the horizon."""
+    return [
+        (i, j)
+        for i, vehicle in enumerate(scenario.vehicles)
+        for j, visit in enumerate(vehicle.via)
+        if visit.between is not None and visit.between[1] < scenario.horizon
+    ][: TUNING.cured]
 
 
 def _longer(scenario: Scenario, limits: Limits) -> int | str:
