@@ -11,6 +11,7 @@ from radmpc.errors import ScenarioError
 from radmpc.importing.clearance import fit_hulls, free_paths
 from radmpc.importing.ends import fit_ends
 from radmpc.importing.free_space import FreePath, free_spaces_of
+from radmpc.importing.hulls import describe_hulls
 from radmpc.importing.noise import (
     Noise,
     choose_noise,
@@ -92,7 +93,7 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
     """
     choices = dict(problem.reasons)
     warnings = list(problem.warnings)
-    problem = _chosen(problem, options, choices)
+    problem = _chosen(problem, options, choices, warnings)
     choices.update(describe_relations(problem.obstacles, problem.keep))
     spaces = free_spaces_of(problem)
     if spaces is not None and options.radius is None:
@@ -132,7 +133,7 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
 
 
 def _chosen(
-    problem: ForeignProblem, options: ImportOptions, choices: dict[str, str]
+    problem: ForeignProblem, options: ImportOptions, choices: dict[str, str], warnings: list[str]
 ) -> ForeignProblem:
     """Return the problem with as many vehicles, and of the radius, as are asked for."""
     vehicles = problem.vehicles
@@ -146,6 +147,7 @@ def _chosen(
         )
         vehicles = vehicles[:count]
     check_count(len(vehicles), MOST_VEHICLES, ("vehicles",))
+    warnings += describe_hulls(vehicles, options.radius)
     if options.radius is not None:
         choices["radius"] = f"{options.radius:g} m, as asked"
         vehicles = tuple(replace(v, radius=float(options.radius)) for v in vehicles)
