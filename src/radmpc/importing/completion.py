@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -107,6 +107,7 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
     avoidance = options.chosen_avoidance
     choices["avoidance"] = avoidance
     choices["goals"] = _describe_goals(choices.get("goals"))
+    warnings += _moving_ends(problem.vehicles)
     origin = {} if problem.origin is None else {"origin": dict(problem.origin)}
     scenario = Scenario(
         name=problem.name,
@@ -192,6 +193,18 @@ def _describe_goals(regions: str | None) -> str:
     if regions is not None:
         place = f"{regions}, {_BORDER_SIGMAS:g} standard deviations within"
     return f"{place}, at up to {_GOAL_SPEED:g} of the speed limit"
+
+
+def _moving_ends(vehicles: Sequence[ForeignVehicle]) -> list[str]:
+    """Return that goals' velocities become limits of speed, where any are published."""
+    moving = [repr(v.name) for v in vehicles if np.any(v.goal_velocity)]
+    if not moving:
+        return []
+    who = ", ".join(moving) if len(moving) <= _NAMED else f"{len(moving)} vehicles"
+    return [
+        f"velocities at the goals of {who} became limits of speed per axis, without their signs: "
+        "plans may end slower, or the other way"
+    ]
 
 
 def _workspace(

@@ -102,3 +102,15 @@ def test_a_covering_disc_is_not_reduced_where_it_finds_no_path(tmp_path: Path) -
     imported = import_scenario(written(tmp_path, text))
     assert imported.scenario.vehicles[0].radius == 0.2796
     assert any("a hull of 0.2796 m finds no path" in warning for warning in imported.warnings)
+
+
+def test_a_velocity_at_a_goal_is_a_limit_of_speed_and_says_so(tmp_path: Path) -> None:
+    text = TWO.replace("goal: [4, 1, 0, 0]", "goal: [4, 1, 0.3, -0.2]")
+    imported = import_scenario(written(tmp_path, text))
+    speed = imported.scenario.vehicles[0].goal.speed
+    assert speed is not None
+    assert speed.tolist() == [0.3, 0.2]
+    assert imported.warnings == (
+        "velocities at the goals of 'robot0' became limits of speed per axis, without their "
+        "signs: plans may end slower, or the other way",
+    )
