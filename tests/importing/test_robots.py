@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from radmpc.errors import FileFormatError
 from radmpc.importing.formats import ImportOptions, import_scenario
 
 TWO = """\
@@ -113,4 +114,25 @@ def test_a_velocity_at_a_goal_is_a_limit_of_speed_and_says_so(tmp_path: Path) ->
     assert imported.warnings == (
         "velocities at the goals of 'robot0' became limits of speed per axis, without their "
         "signs: plans may end slower, or the other way",
+    )
+
+
+def test_an_octomap_is_refused_in_one_line_that_names_its_type(tmp_path: Path) -> None:
+    box = "{type: box, center: [2, 2], size: [1, 0.5]}"
+    text = TWO.replace(box, "{type: octomap, octomap_file: a.bt}")
+    with pytest.raises(
+        FileFormatError, match=r":5: .*\.type: must be 'box', got 'octomap'$"
+    ) as told:
+        import_scenario(written(tmp_path, text))
+    assert not getattr(told.value, "__notes__", [])
+
+
+def test_robots_of_several_types_get_one_warning_of_how_they_are_flown(tmp_path: Path) -> None:
+    text = TWO.replace("double_integrator_0", "car_first_order_0", 1)
+    text = text.replace("double_integrator_0", "unicycle_first_order_0", 1)
+    assert import_scenario(written(tmp_path, text)).warnings == (
+        "flown as double integrators from their positions: car_first_order_0, "
+        "unicycle_first_order_0",
+        "shapes replaced by discs of 0.2796 m radius, which cover their boxes of 0.5 x 0.25 m: "
+        "car_first_order_0, unicycle_first_order_0",
     )

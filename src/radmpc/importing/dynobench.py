@@ -143,6 +143,7 @@ def read_dynobench(document: Document) -> ForeignProblem:
     """
     if not isinstance(document.value, Mapping):
         raise ScenarioError(f"must be a mapping, got {shown(document.value)}")
+    _check_obstacles(document.value)
     file = validated(_File, document.value)
     if not file.robots:
         raise ScenarioError("needs at least one robot, got none", ("robots",))
@@ -220,12 +221,21 @@ def _workspace(environment: _Environment) -> Workspace:
         raise error.under(*path) from error
 
 
+def _check_obstacles(value: Mapping[str, object]) -> None:
+    """Refuse obstacles of other types, before their keys are: those are not a box's either."""
+    environment = value.get("environment")
+    obstacles = environment.get("obstacles") if isinstance(environment, Mapping) else None
+    for i, spec in enumerate(obstacles if isinstance(obstacles, list) else []):
+        kind = spec.get("type") if isinstance(spec, Mapping) else None
+        if isinstance(kind, str) and kind != "box":
+            # Leaving it out would make an unsafe scenario look safe.
+            path = ("environment", "obstacles", i, "type")
+            raise ScenarioError(f"must be 'box', got {shown(kind)}", path)
+
+
 def _box(index: int, spec: _Obstacle) -> Obstacle:
     """Return an obstacle."""
     path = ("environment", "obstacles", index)
-    if spec.type != "box":
-        # Leaving it out would make an unsafe scenario look safe.
-        raise ScenarioError(f"must be 'box', got {shown(spec.type)}", (*path, "type"))
     if len(spec.size) != len(spec.center):
         raise ScenarioError(
             f"must have {len(spec.center)} numbers like center, got {len(spec.size)}",
