@@ -207,6 +207,11 @@ class Policy(ABC):
         ----------
         risk_bound : float
             Δ [-].
+
+        Returns
+        -------
+        str
+            What such a path keeps to, and whether the planner looks at anything else.
         """
         return f"within the risk bound {risk_bound:g} that this planner sees"
 
