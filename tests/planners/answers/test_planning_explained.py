@@ -123,8 +123,8 @@ def test_a_limit_is_told_by_every_planner_in_the_same_words():
 @pytest.mark.parametrize(
     ("planner", "sought"),
     [
-        ("dlp", "whose mean touches nothing, all that this planner looks at,"),
-        ("rmpc", "that keeps 3 standard deviations clear, all that this planner looks at,"),
+        ("dlp", "whose mean touches nothing (all that this planner looks at); near"),
+        ("rmpc", "that keeps 3 standard deviations clear (all that this planner looks at); near"),
         ("uniform", "within the risk bound 0.001 that this planner sees"),
     ],
 )

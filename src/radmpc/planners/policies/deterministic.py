@@ -26,7 +26,7 @@ class NoRisk(Policy):
     def sought(self, risk_bound: float) -> str:
         """Return which paths are looked for; see `Policy.sought`."""
         del risk_bound  # ignored, as is noise
-        return "whose mean touches nothing, all that this planner looks at,"
+        return "whose mean touches nothing (all that this planner looks at)"
 
     def solve(self, request: SolveRequest) -> Solved:
         """Solve once; see `Policy.solve`."""
@@ -60,7 +60,7 @@ class Sigmas(Policy):
         """Return which paths are looked for; see `Policy.sought`."""
         del risk_bound  # ignored: deviations count whatever they risk
         kept = number_text(self.count)
-        return f"that keeps {kept} standard deviations clear, all that this planner looks at,"
+        return f"that keeps {kept} standard deviations clear (all that this planner looks at)"
 
     def solve(self, request: SolveRequest) -> Solved:
         """Solve once; see `Policy.solve`."""
