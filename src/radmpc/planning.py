@@ -24,6 +24,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner, Run
 from radmpc.planners.draft import Draft
 from radmpc.planners.outcome.best_of_all import Cheaper
+from radmpc.planners.outcome.first import NotingFirst
 from radmpc.planners.outcome.improving import Improving
 from radmpc.planners.outcome.record import Certifying, plan_of
 from radmpc.planners.outcome.trajectories import trajectories_of
@@ -113,13 +114,14 @@ def plan(
         return asked, Improving(one, record, seed, cheaper, begun, asked)
 
     referee, hand_on = asked_of(scenario)
+    noting = NotingFirst(found or nobody, begun)
     run = Run(
         rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed),
         limits,
         executor,
         progress or nobody,
         referee.judge,
-        found or nobody,
+        noting,
         hand_on,
     )
     if scenario.goals:
@@ -129,7 +131,8 @@ def plan(
         referee = Certifying(scenario, record)
     else:
         draft = record.decomposition.plan(scenario, record, run)
-    return _judged(referee, scenario, record, seed, _with_limits(draft, limits), begun)
+    draft = replace(_with_limits(draft, limits), first=noting.first if draft.controls else None)
+    return _judged(referee, scenario, record, seed, draft, begun)
 
 
 def unjudged_plan(

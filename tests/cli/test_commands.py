@@ -169,6 +169,23 @@ def test_every_error_of_a_file_has_its_line_on_stderr(run: Run, crossing: Path) 
     ]
 
 
+def test_import_says_as_check_does_where_discs_overlap_at_starts_or_goals(
+    run: Run, tmp_path: Path
+) -> None:
+    robot = "  - {type: car_first_order_with_1_trailers_0, start: [%s], goal: [%s]}\n"
+    (tmp_path / "cars.yaml").write_text(
+        "environment: {min: [0, 0], max: [5, 5]}\nrobots:\n"
+        + robot % ("1, 1, 0, 0", "4, 1, 0, 0")
+        + robot % ("1, 2, 0, 0", "4, 4, 0, 0"),
+        encoding="utf-8",
+    )
+    imported = run("import", "cars.yaml", "-o", "mine.yaml")
+    assert imported.exit_code == 0
+    (told,) = [line for line in imported.stdout.splitlines() if line.startswith("no plan: ")]
+    assert "they overlap, 1 m apart where 1.32 m" in told
+    assert told.split(" What helps")[0] in run("check", "mine.yaml").stdout.replace("\n", " ")
+
+
 def test_import_takes_as_many_vehicles_as_are_asked_for(run: Run, tmp_path: Path) -> None:
     (tmp_path / "swap.yaml").write_text(SWAP, encoding="utf-8")
     result = run("import", "swap.yaml", "-o", "mine.yaml", "--agents", 1)

@@ -8,7 +8,7 @@ import json
 import pytest
 from rich.console import Console
 
-from radmpc.console.reports.comparison_table import comparison_table
+from radmpc.console.reports.comparison_table import comparison_table, rate_text
 from radmpc.experiments.comparing import compare
 from radmpc.io.native.scenario_file import load_scenario
 
@@ -54,6 +54,41 @@ def test_compare_gives_the_numbers_as_json(run, crossing):
     assert found["dlp"]["rate"] > 0.05
     assert found["dlp"]["cost"] < found["certified"]["cost"]
     assert found["distance(3)"]["sets"] == [["east", "west"]]
+
+
+def test_a_planner_that_the_time_limit_cut_off_is_told_from_one_that_ended(run, crossing):
+    words = ("compare", crossing, "--planners", "rmpc-rrt,certified", "--samples", 100)
+    short = (*words, "--time-limit", 1e-9)
+    cut, ended = run(*short).stdout, run(*words).stdout
+    assert "limit, time limit" in cut
+    assert "time limit" not in ended
+    found = {}
+    for name, given in (("cut", short), ("ended", words)):
+        content = json.loads(run(*given, "--json").stdout)
+        found[name] = [one["stopped_by"] for one in content["planners"]]
+    assert found["cut"] == ["the time limit of 1e-09 s was reached"] * 2
+    assert found["ended"] == [None, None]
+
+
+def test_a_certificate_above_the_bound_is_marked_without_colors(run, crossing):
+    result = run("compare", crossing, "--planners", "dlp,certified", "--samples", 100)
+    lines = {line.split()[0]: line for line in result.stdout.splitlines() if line.strip()}
+    assert " > 0.05" in lines["dlp"]
+    assert " > 0.05" not in lines["certified"]
+
+
+@pytest.mark.parametrize(
+    ("rate", "low", "high", "text"),
+    [
+        (0.9976, 0.99727, 0.99789, "0.9976 (0.997–0.998)"),
+        (0.02505, 0.02301, 0.02713, "0.02505 (0.023–0.027)"),
+        (0.0, 0.0, 0.000184, "0 (0–0.00018)"),
+        (1.0, 0.999963, 1.0, "1 (0.99996–1)"),
+        (0.25004, 0.250031, 0.250049, "0.25004 (0.25003–0.25005)"),
+    ],
+)
+def test_an_interval_is_told_in_digits_in_which_it_holds_the_rate(rate, low, high, text):
+    assert rate_text(rate, low, high) == text
 
 
 @pytest.mark.slow

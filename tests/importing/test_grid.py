@@ -190,7 +190,11 @@ def test_a_map_alone_and_a_missing_map_are_told(tmp_path: Path) -> None:
         ("start: [0, 0]", "start: [1, 1]", r":2: agents\[0\].start: must be a free cell, got the"),
         ("goal: [3, 2]", "goal: [4, 2]", r":2: agents\[0\].goal: must be a cell from"),
         ("name: b", "name: a", r":3: agents\[1\].name: must be unique, got 'a' twice"),
-        ("goal: [0, 2]", "potentialGoals: [[0, 2]]", r":3: agents\[1\].goal: is required"),
+        (
+            "goal: [0, 2]",
+            "potentialGoals: [[0, 2]]",
+            r":3: agents\[1\].potentialGoals: is not read: state a 'goal' for each agent",
+        ),
         ("[1, 1]", "!!python/tuple [1, 1]", r":6: tags are not allowed"),
     ],
 )
@@ -200,6 +204,13 @@ def test_a_grid_that_cannot_be_read_is_one_line(
     assert old in SMALL
     with pytest.raises(FileFormatError, match=line):
         import_scenario(written(tmp_path, SMALL.replace(old, new, 1)))
+
+
+def test_blocked_cells_are_told_only_where_there_are_any(tmp_path: Path) -> None:
+    open_grid = SMALL.replace("[[1, 1], [2, 1]]", "[]")
+    assert "obstacles" not in import_scenario(written(tmp_path, open_grid)).choices
+    told = import_scenario(written(tmp_path, SMALL)).choices["obstacles"]
+    assert told == "2 blocked cells joined into 1 rectangle"
 
 
 @pytest.mark.parametrize(

@@ -43,6 +43,14 @@ def test_agents_keep_radius_and_limits_of_their_type_and_stay_in_the_world(tmp_p
     assert scenario.workspace.upper.tolist() == [5.0, 5.0, 2.5]
 
 
+@pytest.mark.parametrize("name", ["forest_20agents_3", "empty_20agents_3"])
+def test_a_mission_says_that_its_trees_and_walls_are_not_read(name: str) -> None:
+    imported = import_scenario(FOLDER / f"{name}.json")
+    told = [one for one in imported.warnings if one.startswith("trees and walls are not read: ")]
+    assert len(told) == 1
+    assert imported.scenario.obstacles == ()
+
+
 @pytest.mark.slow
 def test_a_published_mission_is_planned_within_the_bound() -> None:
     imported = import_scenario(FOLDER / "multi_simple4.json")

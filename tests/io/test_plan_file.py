@@ -14,7 +14,7 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.native.plan_file import encode_plan, load_plan, save_plan
 from radmpc.io.native.scenario_file import decode_scenario
 from radmpc.model.dynamics import rollout
-from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
+from radmpc.model.plan import FirstPlan, LedgerRow, Plan, Risk, Status, Trajectory
 
 Content = dict[str, Any]
 
@@ -113,6 +113,15 @@ def test_the_content_stands_in_the_documented_order(plan: Plan) -> None:
             "couplings", "seconds", "versions", "explanation", "stopped_by", "vehicles",
     ]  # fmt: skip
     assert "vehicles" not in encode_plan(plan, with_vehicles=False)
+
+
+def test_the_first_plan_is_kept_where_it_is_known(plan: Plan, tmp_path: Path) -> None:
+    told = replace(plan, first=FirstPlan(0.25, 7.5))
+    save_plan(told, tmp_path / "told.json")
+    content = json.loads((tmp_path / "told.json").read_text(encoding="utf-8"))
+    assert content["first_plan"] == {"seconds": 0.25, "cost": 7.5}
+    assert load_plan(tmp_path / "told.json").first == FirstPlan(0.25, 7.5)
+    assert "first_plan" not in encode_plan(replace(plan, first=None))
 
 
 def test_each_row_of_a_matrix_takes_one_line(plan: Plan, tmp_path: Path) -> None:

@@ -49,7 +49,7 @@ def test_what_is_far_away_is_borne_by_the_one_it_is_charged_with() -> None:
 
 @pytest.mark.parametrize(
     ("certified", "text"),
-    [(0.0125, "0.0125"), (1.0, "1"), (4.0, "1 (the bounds sum to 4)")],
+    [(0.0125, "0.0125"), (1.0, "1"), (1.00003, "1"), (4.0, "1 (the bounds sum to 4)")],
 )
 def test_a_probability_is_never_said_to_exceed_one(certified: float, text: str) -> None:
     assert bound_text(certified) == text

@@ -40,6 +40,7 @@ def plan() -> radmpc.Plan:
         ({"sets": (1,)}, "sets: must be a sequence of names, got 1"),
         ({"seconds": 3}, "seconds: must be a mapping, got 3"),
         ({"planner": 3}, "planner: must be text, got 3"),
+        ({"first": 3}, "first: must be a FirstPlan, got 3"),
         ({"seed": 1.5}, r"seed: must be an integer, got 1\.5"),
     ],
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from radmpc.errors import ScenarioError
 from radmpc.importing.clearance import fit_hulls, free_paths
 from radmpc.importing.ends import fit_ends
 from radmpc.importing.free_space import FreePath, free_spaces_of
+from radmpc.importing.hulls import describe_hulls
 from radmpc.importing.noise import (
     Noise,
     choose_noise,
@@ -92,7 +93,7 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
     """
     choices = dict(problem.reasons)
     warnings = list(problem.warnings)
-    problem = _chosen(problem, options, choices)
+    problem = _chosen(problem, options, choices, warnings)
     choices.update(describe_relations(problem.obstacles, problem.keep))
     spaces = free_spaces_of(problem)
     if spaces is not None and options.radius is None:
@@ -106,6 +107,7 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
     avoidance = options.chosen_avoidance
     choices["avoidance"] = avoidance
     choices["goals"] = _describe_goals(choices.get("goals"))
+    warnings += _moving_ends(problem.vehicles)
     origin = {} if problem.origin is None else {"origin": dict(problem.origin)}
     scenario = Scenario(
         name=problem.name,
@@ -132,7 +134,7 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
 
 
 def _chosen(
-    problem: ForeignProblem, options: ImportOptions, choices: dict[str, str]
+    problem: ForeignProblem, options: ImportOptions, choices: dict[str, str], warnings: list[str]
 ) -> ForeignProblem:
     """Return the problem with as many vehicles, and of the radius, as are asked for."""
     vehicles = problem.vehicles
@@ -146,6 +148,7 @@ def _chosen(
         )
         vehicles = vehicles[:count]
     check_count(len(vehicles), MOST_VEHICLES, ("vehicles",))
+    warnings += describe_hulls(vehicles, options.radius)
     if options.radius is not None:
         choices["radius"] = f"{options.radius:g} m, as asked"
         vehicles = tuple(replace(v, radius=float(options.radius)) for v in vehicles)
@@ -190,6 +193,18 @@ def _describe_goals(regions: str | None) -> str:
     if regions is not None:
         place = f"{regions}, {_BORDER_SIGMAS:g} standard deviations within"
     return f"{place}, at up to {_GOAL_SPEED:g} of the speed limit"
+
+
+def _moving_ends(vehicles: Sequence[ForeignVehicle]) -> list[str]:
+    """Return that goals' velocities become limits of speed, where any are published."""
+    moving = [repr(v.name) for v in vehicles if np.any(v.goal_velocity)]
+    if not moving:
+        return []
+    who = ", ".join(moving) if len(moving) <= _NAMED else f"{len(moving)} vehicles"
+    return [
+        f"velocities at the goals of {who} became limits of speed per axis, without their signs: "
+        "plans may end slower, or the other way"
+    ]
 
 
 def _workspace(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,7 +13,12 @@ from radmpc.arrays import Vector
 from radmpc.errors import ScenarioError
 from radmpc.importing.completion import ImportedScenario, overlay
 from radmpc.importing.options import ImportOptions
-from radmpc.importing.problem import ForeignModel, ForeignProblem, ForeignVehicle
+from radmpc.importing.problem import (
+    ForeignModel,
+    ForeignProblem,
+    ForeignShape,
+    ForeignVehicle,
+)
 from radmpc.importing.rounding import rounded
 from radmpc.io.native.checking import validated
 from radmpc.io.native.numbers import Text
@@ -31,11 +37,32 @@ _SPEED_LIMIT = 0.5
 _CONTROL_LIMIT = 2.0
 """Largest acceleration per axis [m/s²], of the same."""
 
-# dynobench's models; only these two of its types are discs.
-_RADII: Mapping[str, float] = {"double_integrator_0": 0.1, "unicycle_first_order_0_sphere": 0.4}
+_BOX = "their boxes of 0.5 x 0.25 m"
+"""Hull of most unicycles and cars."""
+
+_HULLS: tuple[tuple[str, float, str], ...] = (
+    (r"(single|double)_integrator(_[23]d)?(_\d+)?|integrator[12]_[23]d(_v\d+)?", 0.1, ""),
+    (r"unicycle_first_order(_\d+)?_sphere|unicycle1_sphere(_v\d+)?", 0.4, ""),
+    # Half the diagonal, rounded up: it covers the box at any angle.
+    (
+        r"unicycle_(first|second)_order(_\d+)?|unicycle[12](_v\d+)?|car_first_order(_\d+)?"
+        r"|car2(_v\d+)?",
+        0.2796,
+        _BOX,
+    ),
+    # A box of 0.3 x 0.25 m, its middle 0.5 m from the robot's at any angle: to its far corners
+    # it is hypot(0.5 + 0.15, 0.125) m.
+    (
+        r"car_first_order_with_1_trailers(_\d+)?|car1(_v\d+)?",
+        0.662,
+        f"{_BOX} and the trailers behind them at any angle",
+    ),
+)
+"""Types of dynobench's models by pattern, the radius of the disc that is or covers the hull [m],
+and what it covers; nothing where the hull is that disc."""
 
 _OTHER_RADIUS = 0.1
-"""Hull radius of a type that is no disc in dynobench's models [m]."""
+"""Hull radius of types whose models are not known here, a guess [m]."""
 
 
 class _Obstacle(FileModel):
@@ -116,18 +143,18 @@ def read_dynobench(document: Document) -> ForeignProblem:
     """
     if not isinstance(document.value, Mapping):
         raise ScenarioError(f"must be a mapping, got {shown(document.value)}")
+    _check_obstacles(document.value)
     file = validated(_File, document.value)
     if not file.robots:
         raise ScenarioError("needs at least one robot, got none", ("robots",))
     workspace = _workspace(file.environment)
     d = workspace.lower.size
     others = sorted({robot.type for robot in file.robots if not _is_integrator(robot)})
-    warnings = [f"flown as double integrators from their positions: {name}" for name in others]
-    shapeless = [name for name in others if name not in _RADII]
-    if shapeless:
-        warnings.append(
-            f"shapes replaced by discs of {_OTHER_RADIUS:g} m radius: {', '.join(shapeless)}"
-        )
+    warnings = (
+        (f"flown as double integrators from their positions: {', '.join(others)}",)
+        if others
+        else ()
+    )
     return ForeignProblem(
         name=Path(document.name).stem,
         format="dynobench",
@@ -136,18 +163,36 @@ def read_dynobench(document: Document) -> ForeignProblem:
         obstacles=tuple(_box(i, o) for i, o in enumerate(file.environment.obstacles or [])),
         workspace=workspace,
         reasons=(("radius", _radius_reason(file.robots)), ("limits", _limits_reason())),
-        warnings=tuple(warnings),
+        warnings=warnings,
     )
+
+
+def _hull(robot: _Robot) -> tuple[float, ForeignShape | None]:
+    """Return the radius of a robot's disc, and what that covers if its hull is another."""
+    for pattern, radius, covered in _HULLS:
+        if re.fullmatch(pattern, robot.type):
+            return radius, ForeignShape(robot.type, covered) if covered else None
+    return _OTHER_RADIUS, ForeignShape(robot.type, None)
 
 
 def _radius_reason(robots: list[_Robot]) -> str:
     """Return the radii and where they are from."""
-    radii = sorted({_RADII.get(robot.type, _OTHER_RADIUS) for robot in robots})
-    text = f"{' or '.join(f'{radius:g}' for radius in radii)} m, from dynobench's models"
-    if any(_is_integrator(robot) for robot in robots):
-        # By dynobench's model a plan is judged; db-CBS's search keeps some distance more.
-        text += ", by which db-CBS checks its plans (it searches with 0.15 m)"
-    return text
+    hulls = [_hull(robot) for robot in robots]
+    known = sorted({radius for radius, shape in hulls if not shape or shape.covered})
+    parts = []
+    if known:
+        text = f"{' or '.join(f'{radius:g}' for radius in known)} m, from dynobench's models"
+        if any(shape and shape.covered for _, shape in hulls):
+            text += ", discs that cover those of its hulls that are boxes"
+        if any(_is_integrator(robot) for robot in robots):
+            # By dynobench's model a plan is judged; db-CBS's search keeps some distance more.
+            text += (
+                ", by which db-CBS checks its plans (double integrators it searches with 0.15 m)"
+            )
+        parts.append(text)
+    if any(shape and not shape.covered for _, shape in hulls):
+        parts.append(f"{_OTHER_RADIUS:g} m, a guess, where the model is not known here")
+    return "; ".join(parts)
 
 
 def _limits_reason() -> str:
@@ -176,12 +221,21 @@ def _workspace(environment: _Environment) -> Workspace:
         raise error.under(*path) from error
 
 
+def _check_obstacles(value: Mapping[str, object]) -> None:
+    """Refuse obstacles of other types, before their keys are: those are not a box's either."""
+    environment = value.get("environment")
+    obstacles = environment.get("obstacles") if isinstance(environment, Mapping) else None
+    for i, spec in enumerate(obstacles if isinstance(obstacles, list) else []):
+        kind = spec.get("type") if isinstance(spec, Mapping) else None
+        if isinstance(kind, str) and kind != "box":
+            # Leaving it out would make an unsafe scenario look safe.
+            path = ("environment", "obstacles", i, "type")
+            raise ScenarioError(f"must be 'box', got {shown(kind)}", path)
+
+
 def _box(index: int, spec: _Obstacle) -> Obstacle:
     """Return an obstacle."""
     path = ("environment", "obstacles", index)
-    if spec.type != "box":
-        # Leaving it out would make an unsafe scenario look safe.
-        raise ScenarioError(f"must be 'box', got {shown(spec.type)}", (*path, "type"))
     if len(spec.size) != len(spec.center):
         raise ScenarioError(
             f"must have {len(spec.center)} numbers like center, got {len(spec.size)}",
@@ -207,13 +261,15 @@ def _vehicle(index: int, robot: _Robot, dimension: int) -> ForeignVehicle:
             )
         states.append(np.array([*given[:length], *[0.0] * (2 * dimension - length)]))
     start, goal = states
+    radius, shape = _hull(robot)
     return ForeignVehicle(
         name=f"robot{index}",
         start=start[:dimension],
         goal=goal[:dimension],
         start_velocity=start[dimension:],
         goal_velocity=goal[dimension:],
-        radius=_RADII.get(robot.type, _OTHER_RADIUS),
+        radius=radius,
         speed_limit=_SPEED_LIMIT,
         control_limit=_CONTROL_LIMIT,
+        shape=shape,
     )

@@ -25,6 +25,13 @@ _DIMENSION = 3
 """Coordinates of the format's positions."""
 
 
+_NO_WORLD = (
+    "trees and walls are not read: the octomap (world/*.bt) that a mission is flown in is named "
+    "where it is launched, not in its file"
+)
+"""Said of every mission: none states which octomap it is flown in."""
+
+
 class _Quadrotor(ForeignModel):
     """A type of agent. Downwash is ignored with a warning."""
 
@@ -89,14 +96,12 @@ def read_lsc(document: Document) -> ForeignProblem:
         raise ScenarioError(f"must hold one box, got {len(file.world)}", ("world",))
     used = sorted({agent.type for agent in file.agents} & file.quadrotors.keys())
     washed = [name for name in used if file.quadrotors[name].downwash != 1.0]
-    warnings = (
-        (
+    warnings = [_NO_WORLD]
+    if washed:
+        warnings.append(
             "downwash is ignored, hulls are spheres: keep vehicles at different heights "
-            f"apart otherwise ({', '.join(washed)})",
+            f"apart otherwise ({', '.join(washed)})"
         )
-        if washed
-        else ()
-    )
     return ForeignProblem(
         name=Path(document.name).stem,
         format="LSC",
@@ -107,7 +112,7 @@ def read_lsc(document: Document) -> ForeignProblem:
             ("radius", "from the mission's quadrotors"),
             ("limits", "max_vel and max_acc of the mission's quadrotors, the least of the axes"),
         ),
-        warnings=warnings,
+        warnings=tuple(warnings),
     )
 
 

@@ -16,7 +16,14 @@ from radmpc.model.scenario import Workspace
 from radmpc.ranges import check_range
 from radmpc.records import dataclass, replace
 
-__all__ = ["ForeignModel", "ForeignProblem", "ForeignVehicle", "ForeignVisit", "Window"]
+__all__ = [
+    "ForeignModel",
+    "ForeignProblem",
+    "ForeignShape",
+    "ForeignVehicle",
+    "ForeignVisit",
+    "Window",
+]
 
 Window = tuple[float, float]
 """First and last moment since the start [s]; the last may be infinite."""
@@ -50,6 +57,22 @@ class ForeignVisit:
     speed: float | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class ForeignShape:
+    """A hull that is no disc.
+
+    Attributes
+    ----------
+    kind : str
+        What its file calls vehicles of this hull.
+    covered : str or None
+        What the disc around it covers, in words; None where the hull is not known.
+    """
+
+    kind: str
+    covered: str | None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ForeignVehicle:
     """A double integrator, or what is to be flown as one.
@@ -75,6 +98,8 @@ class ForeignVehicle:
         Places to be visited, in order.
     arrival : (float, float) or None
         When it may arrive, to stay from then on [s]; None is at the end.
+    shape : ForeignShape or None
+        The published hull, around which the radius is that of a disc; None where it is that disc.
     """
 
     name: str
@@ -88,6 +113,7 @@ class ForeignVehicle:
     goal_half_width: Vector | None = None
     via: tuple[ForeignVisit, ...] = ()
     arrival: Window | None = None
+    shape: ForeignShape | None = None
 
     def __post_init__(self) -> None:
         """Freeze the arrays, and refuse what would overflow."""

@@ -232,4 +232,5 @@ def bound_text(certified: float) -> str:
     str
         To be read after "at most".
     """
-    return f"{certified:.4g}" if certified <= 1.0 else f"1 (the bounds sum to {certified:.4g})"
+    total = f"{certified:.4g}"
+    return total if float(total) <= 1.0 else f"1 (the bounds sum to {total})"

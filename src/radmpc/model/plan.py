@@ -8,13 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
-from radmpc.arguments import (
-    field_integer,
-    field_parts,
-    field_text,
-    one,
-    value_text,
-)
+from radmpc.arguments import field_integer, field_number, field_parts, field_text, one, value_text
 from radmpc.arrays import Frozen, Matrix, Tensor, as_array, as_matrix
 from radmpc.errors import ScenarioError
 from radmpc.model.ledger import Cause, LedgerRow, Risk, put_numbers, put_parts
@@ -24,7 +18,17 @@ from radmpc.notebook import html_table, listed
 from radmpc.records import FrozenDict, dataclass, field
 from radmpc.wording import percent
 
-__all__ = ["Cause", "Coupling", "LedgerRow", "Plan", "Reason", "Risk", "Status", "Trajectory"]
+__all__ = [
+    "Cause",
+    "Coupling",
+    "FirstPlan",
+    "LedgerRow",
+    "Plan",
+    "Reason",
+    "Risk",
+    "Status",
+    "Trajectory",
+]
 
 
 class Status(Enum):
@@ -111,6 +115,27 @@ class Trajectory(Frozen):
             put(self, "gain", as_matrix(self.gain, path=("gain",)))
 
 
+@dataclass(frozen=True, slots=True)
+class FirstPlan:
+    """When the first certified plan was there, and what it cost.
+
+    Attributes
+    ----------
+    seconds : float
+        Since planning began.
+    cost : float
+        ``Σ weight · ‖u‖₁``.
+    """
+
+    seconds: float
+    cost: float
+
+    def __post_init__(self) -> None:
+        """Refuse what are no numbers."""
+        for name in ("seconds", "cost"):
+            object.__setattr__(self, name, field_number(getattr(self, name), (name,)))
+
+
 def _names(given: object) -> tuple[str, ...]:
     """Return a set of vehicles as a tuple of names."""
     names = field_parts(given, "a sequence of names", ("sets",))
@@ -159,6 +184,8 @@ class Plan:
     certified_lower_bound : float or None
         Proven least cost of any plan that the referee would certify, whatever its half-spaces,
         where there is a proof.
+    first : FirstPlan or None
+        The first certified plan; None where the planner does not tell of it.
     """
 
     scenario: Scenario
@@ -176,6 +203,7 @@ class Plan:
     couplings: tuple[Coupling, ...] = ()
     stopped_by: str | None = None
     certified_lower_bound: float | None = None
+    first: FirstPlan | None = None
 
     def __post_init__(self) -> None:
         """Refuse parts of another kind, whatever they say; sequences become tuples."""
@@ -183,6 +211,8 @@ class Plan:
             part = getattr(self, name)
             if not isinstance(part, kind):
                 raise ScenarioError(f"must be {one(kind)}, got {value_text(part)}", (name,))
+        if not isinstance(self.first, FirstPlan | None):
+            raise ScenarioError(f"must be a FirstPlan, got {value_text(self.first)}", ("first",))
         field_text(self.planner, ("planner",))
         for name in ("explanation", "stopped_by"):
             if getattr(self, name) is not None:

@@ -73,7 +73,7 @@ class Distance(Decomposition):
         steps = tuple(step for plan in alone for step in plan.steps)
         seconds = {"alone": time.perf_counter() - begun}
         if not all(plan.controls for plan in alone):
-            status, why = verdict_of_sets(scenario, singles, alone)
+            status, why = verdict_of_sets(scenario, singles, alone, run.limits)
             return Draft(status, (), singles, steps, (), seconds, why)
         sets, couplings = _sets(scenario, alone, self.meters)
         together = tuple(members for members in sets if len(members) > 1)
@@ -83,7 +83,7 @@ class Distance(Decomposition):
         plans = [plan_of[members] for members in sets]
         steps += tuple(step for members in together for step in plan_of[members].steps)
         seconds["sets"] = time.perf_counter() - begun - seconds["alone"]
-        status, why = verdict_of_sets(scenario, sets, plans)
+        status, why = verdict_of_sets(scenario, sets, plans, run.limits)
         is_whole = all(p.outcome in {Outcome.OPTIMAL, Outcome.FEASIBLE} for p in plans)
         ordered = in_order(sets, plans) if is_whole else ()
         return Draft(status, ordered, sets, steps, (), seconds, why, couplings=couplings)

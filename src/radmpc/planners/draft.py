@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from radmpc.arrays import Matrix
-from radmpc.model.plan import Coupling, Status
+from radmpc.model.plan import Coupling, FirstPlan, Status
 from radmpc.records import dataclass
 
 __all__ = ["Draft", "Event", "Step"]
@@ -104,6 +104,8 @@ class Draft:
         by the half-spaces that were searched alone.
     stopped_by : str or None
         The limit that ended the search, as a clause; None where the caller's own limits tell.
+    first : FirstPlan or None
+        When the first certified plan was there; None where none was told of.
     """
 
     status: Status
@@ -119,3 +121,4 @@ class Draft:
     couplings: tuple[Coupling, ...] = ()
     stopped_by: str | None = None
     rules_out_any: bool = False
+    first: FirstPlan | None = None

@@ -93,7 +93,7 @@ def _no_way(scenario: Scenario, planner: Planner, limits: Limits) -> tuple[str, 
     for i in everyone:
         outcome = _solved_alone(scenario, (i,), planner, limits)
         if outcome is Outcome.INFEASIBLE:
-            blocked.append(_no_way_alone(scenario, i))
+            blocked.append(_no_way_alone(scenario, i, planner))
         is_open |= outcome is Outcome.LIMIT
     if blocked:
         alone = tuple(i for reason in blocked for i in reason.members)
@@ -101,11 +101,11 @@ def _no_way(scenario: Scenario, planner: Planner, limits: Limits) -> tuple[str, 
     for members in combinations(everyone, 2):
         outcome = _solved_alone(scenario, members, planner, limits)
         if outcome is Outcome.INFEASIBLE:
-            return _no_way_together(scenario, members), members
+            return _no_way_together(scenario, members, planner), members
         is_open |= outcome is Outcome.LIMIT
     if is_open:
         return f"{_OPEN}: {limit_clause(limits)}", ()
-    return _GENERAL, everyone
+    return _general(planner), everyone
 
 
 def _finds_way(planner: Planner, scenario: Scenario, limits: Limits) -> bool:
@@ -191,8 +191,11 @@ def trivially_infeasible(scenario: Scenario, *, deterministic: bool = False) -> 
 _OPEN = "No plan was found, and a limit ended the search for the reason"
 """Said where nothing was ruled out; which limit follows."""
 
-_GENERAL = "Each vehicle and each pair can be planned, but not all together within the risk bound."
-"""Said where no smaller group explains it."""
+
+def _general(planner: Planner) -> str:
+    """Say that no smaller group explains it."""
+    within = "" if planner.policy.family == "deterministic" else " within the risk bound"
+    return f"Each vehicle and each pair can be planned, but not all together{within}."
 
 
 def unable_alone(scenario: Scenario, model: CondensedModel) -> tuple[str, str] | None:
@@ -247,24 +250,20 @@ def _solved_alone(
     return planner.policy.solve(request).solution.outcome
 
 
-def _no_way_together(scenario: Scenario, members: tuple[int, ...]) -> str:
+def _no_way_together(scenario: Scenario, members: tuple[int, ...], planner: Planner) -> str:
     """Name two vehicles for which no plan was found even with the whole Δ to themselves."""
     first, second = (repr(scenario.vehicles[i].name) for i in members)
-    return (
-        f"Vehicles {first} and {second} alone find no path past each other within the risk bound "
-        f"{scenario.risk_bound:g} that this planner sees."
-    )
+    sought = planner.policy.sought(scenario.risk_bound)
+    return f"Vehicles {first} and {second} alone find no path past each other {sought}."
 
 
-def _no_way_alone(scenario: Scenario, i: int) -> Reason:
+def _no_way_alone(scenario: Scenario, i: int, planner: Planner) -> Reason:
     """Return why one vehicle has no plan even with the whole Δ to itself."""
     alone = scenario.subset((i,), scenario.risk_bound)
     program = build_program(alone, condensed_models(alone), risk_bound=scenario.risk_bound)
     hazards = dict.fromkeys(
         repr(e.other) if e.other else "the workspace border" for e in program.risk_items
     )
-    text = (
-        f"finds no path within the risk bound {scenario.risk_bound:g} that this planner sees; near "
-        f"are {', '.join(hazards)}."
-    )
+    sought = planner.policy.sought(scenario.risk_bound)
+    text = f"finds no path {sought}; near are {', '.join(hazards)}."
     return Reason((i,), f"alone {text}", f"each {text.replace('finds', 'find', 1)}")

@@ -18,11 +18,15 @@ from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.planner import Planner, Run
 from radmpc.planners.policies.policy import SolveRequest
 from radmpc.planners.randomness import children
+from radmpc.planners.wording import limit_clause
 from radmpc.program.build import build_program, condensed_models, controls_of
 from radmpc.records import dataclass
 from radmpc.solvers.solution import Limits, Outcome
 
 __all__ = ["SetPlan", "SetTask", "in_order", "plan_set", "plan_sets", "run_sets", "verdict_of_sets"]
+
+_LIMITED = "No plan was found, and none was ruled out"
+"""Said of sets that a limit stopped; which one follows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -206,7 +210,7 @@ def in_order(sets: Sequence[tuple[int, ...]], plans: Sequence[SetPlan]) -> tuple
 
 
 def verdict_of_sets(
-    scenario: Scenario, sets: tuple[tuple[int, ...], ...], plans: list[SetPlan]
+    scenario: Scenario, sets: tuple[tuple[int, ...], ...], plans: list[SetPlan], limits: Limits
 ) -> tuple[Status, str | None]:
     """Return the status of the whole from those of the sets, and what failed.
 
@@ -218,6 +222,8 @@ def verdict_of_sets(
         A partition of it.
     plans : list of SetPlan
         The plan of each.
+    limits : Limits
+        When planning was to stop.
 
     Returns
     -------
@@ -235,7 +241,7 @@ def verdict_of_sets(
         elif status is Status.FEASIBLE:
             status = Status.LIMIT
         names = ", ".join(repr(scenario.vehicles[i].name) for i in members)
-        why = "no plan within the limit." if limited else plan.explanation or "no plan."
+        why = f"{_LIMITED}: {limit_clause(limits)}" if limited else plan.explanation or "no plan."
         names_of.setdefault(why, []).append(names)
     if len(sets) == 1:
         return status, next(iter(names_of), None)

@@ -14,7 +14,7 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Workspace
 from radmpc.planners.sets import SetPlan, verdict_of_sets
 from radmpc.planning import plan
-from radmpc.solvers.solution import Outcome
+from radmpc.solvers.solution import Limits, Outcome
 
 
 def _explained(scenario, planner="multi-vehicle"):
@@ -104,9 +104,38 @@ def test_vehicles_without_a_way_are_told_together():
 def test_sets_that_a_limit_stopped_are_told_together():
     fleet = [mover(name, (0, 20 * i), (8, 20 * i)) for i, name in enumerate("abc")]
     plans = [SetPlan(Outcome.LIMIT, (), ())] * 3
-    status, why = verdict_of_sets(scene_of(*fleet), ((0,), (1,), (2,)), plans)
+    limits = Limits(0.0, time_limit=5.0)
+    status, why = verdict_of_sets(scene_of(*fleet), ((0,), (1,), (2,)), plans, limits)
     assert status is Status.LIMIT
-    assert why == "Sets of 'a'; 'b'; 'c': no plan within the limit."
+    assert why == (
+        "Sets of 'a'; 'b'; 'c': No plan was found, and none was ruled out: the time limit of 5 s "
+        "was reached. Raise it."
+    )
+
+
+def test_a_limit_is_told_by_every_planner_in_the_same_words():
+    scenario = scene_of(mover("a", (0, 0), (8, 0)))
+    told = {plan(scenario, name, time_limit=1e-9).explanation for name in ("distance", "rmpc-rrt")}
+    (text,) = told
+    assert text.startswith("No plan was found, and none was ruled out: the time limit of 1e-09 s ")
+
+
+@pytest.mark.parametrize(
+    ("planner", "sought"),
+    [
+        ("dlp", "whose mean touches nothing (all that this planner looks at); near"),
+        ("rmpc", "that keeps 3 standard deviations clear (all that this planner looks at); near"),
+        ("uniform", "within the risk bound 0.001 that this planner sees"),
+    ],
+)
+def test_a_planner_without_a_path_says_what_it_looks_at(planner, sought):
+    walls = (
+        Obstacle.box("north", [3, 0.1], [4, 30]),
+        Obstacle.box("south", [3, -30], [4, -0.1]),
+    )
+    vehicle = mover("a", (0, 0), (8, 0), disturbance_covariance=[0.01, 0.01, 0, 0])
+    scenario = scene_of(vehicle, obstacles=walls, risk_bound=1e-3, avoidance="intervals")
+    assert _explained(scenario, planner).startswith(f"Vehicle 'a' alone finds no path {sought}")
 
 
 @pytest.mark.slow

@@ -151,6 +151,7 @@ def _as_json(one: Comparison) -> dict[str, object]:
         return values | {"status": "failed"}
     return values | {
         "status": result.status.value,
+        "stopped_by": result.record.stopped_by,
         "explanation": result.explanation,
         "cost": result.cost,
         "lower_bound": result.lower_bound,

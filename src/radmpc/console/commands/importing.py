@@ -14,6 +14,11 @@ from radmpc.console.reports.report import facts
 from radmpc.console.running.guard import Code
 from radmpc.console.words import scenario_line
 from radmpc.io.native.scenario_file import save_scenario
+from radmpc.model.scenario import Scenario
+from radmpc.planners.endpoints.floors import floors
+from radmpc.planners.endpoints.screening import are_surely_harmless
+from radmpc.planners.presolve import endpoint_reasons, grouped
+from radmpc.program.build import condensed_models
 
 __all__ = ["run_import"]
 
@@ -54,5 +59,16 @@ def run_import(sources: Sequence[Path], output: Path, options: Mapping[str, Any]
     show(facts({name: str(value) for name, value in imported.choices.items()}))
     for warning in imported.warnings:
         show(f"warning: {warning}")
+    for reason in _no_plan(imported.scenario):
+        show(f"no plan: {reason}")
     show(f"scenario written to {output}")
     return Code.OK
+
+
+def _no_plan(scenario: Scenario) -> list[str]:
+    """Return why starts and goals alone rule out any plan, as `radmpc check` does."""
+    models = condensed_models(scenario)
+    if are_surely_harmless(scenario, models):
+        return []
+    reasons = endpoint_reasons(scenario, floors(scenario, models))
+    return [text for _, text in grouped(scenario, reasons)]

@@ -11,8 +11,10 @@ from rich.table import Table
 from rich.text import Text
 
 from radmpc.experiments.comparing import Comparison
+from radmpc.planners.wording import rounded
+from radmpc.result import Result
 
-__all__ = ["comparison_table"]
+__all__ = ["comparison_table", "rate_text"]
 
 _NONE = "–"
 _NAMES = ("cost", "above least", "certificate", "collide (95 %)", "sets", "largest", "seconds")
@@ -32,7 +34,7 @@ def comparison_table(comparisons: Sequence[Comparison], width: int) -> Table:
     Returns
     -------
     Table
-        What is not within the bound is red.
+        What is not within the bound is red, and says so.
     """
     costs = [one.result.cost for one in comparisons if one.is_within and one.result is not None]
     least = min((cost for cost in costs if cost is not None), default=None)
@@ -77,22 +79,56 @@ def _cells(one: Comparison, least: float | None) -> list[Text | str]:
     if result is None:
         return [Text("failed", style="red")]
     seconds = f"{result.seconds['total']:.2f}"
+    status = _status(result)
     if result.plan is None or result.cost is None or result.certificate is None:
-        return [Text(result.status.value, style="red"), *[_NONE] * 6, seconds]
-    style = "green" if one.is_within else "red"
-    certified = result.certificate.certified
+        return [Text(status, style="red"), *[_NONE] * 6, seconds]
+    bound, certified = result.record.scenario.risk_bound, result.certificate.certified
+    risk = Text(f"{min(certified, 1.0):.4g}", style="green")
+    if not one.is_within:
+        exact = min(certified, 1.0)
+        text = f"{exact:.4g}" if float(f"{exact:.4g}") > bound else rounded(exact, bound)
+        risk = Text(f"{text} > {bound:g}", style="red")
     sizes = [len(members) for members in result.sets]
     above = _NONE if not least else f"{100.0 * (result.cost / least - 1.0):+.2f} %"
-    rate = _NONE
-    if flown is not None:
-        rate = f"{flown.rate:.4g} ({flown.rate_low:.2g}–{flown.rate_high:.2g})"
     return [
-        result.status.value,
+        status,
         f"{result.cost:.4g}",
         above,
-        Text(f"{certified:.4g}" if certified <= 1.0 else "1", style=style),
-        rate,
+        risk,
+        _NONE if flown is None else rate_text(flown.rate, flown.rate_low, flown.rate_high),
         str(len(sizes)),
         str(max(sizes)),
         seconds,
     ]
+
+
+def _status(result: Result) -> str:
+    """Return how planning ended, and whether a limit cut it off."""
+    if result.record.stopped_by is None:
+        return result.status.value
+    is_timed = "time limit" in result.record.stopped_by
+    return f"{result.status.value}, {'time limit' if is_timed else 'stopped'}"
+
+
+def rate_text(rate: float, low: float, high: float) -> str:
+    """Return a rate with its interval, in as many digits as it takes to hold the rate.
+
+    Parameters
+    ----------
+    rate : float
+        Share of samples [-].
+    low, high : float
+        Ends of its interval [-].
+
+    Returns
+    -------
+    str
+        Such as ``0.9976 (0.997–0.998)``.
+    """
+    for digits in range(2, 17):
+        ends = f"{low:.{digits}g}", f"{high:.{digits}g}"
+        told = f"{rate:.{max(digits, 4)}g}"
+        holds = float(ends[0]) <= float(told) <= float(ends[1])
+        if holds and (ends[0] != ends[1] or low == high):
+            break
+    return f"{told} ({ends[0]}–{ends[1]})"

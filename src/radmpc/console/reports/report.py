@@ -81,6 +81,7 @@ def _plan_rows(plan: Plan, preset: str, *, bounds_risk: bool) -> dict[str, Text 
     """Return the rows about trajectories."""
     rows: dict[str, Text | str] = {
         "cost": cost_text(plan),
+        **_first(plan),
         "certificate": verdict(plan.risk.certified, plan.risk.bound),
     }
     has_feedback = any(vehicle.gain is not None for vehicle in plan.scenario.vehicles)
@@ -202,6 +203,13 @@ def _sets(sets: tuple[tuple[str, ...], ...]) -> str:
     shown = ", ".join("{" + ", ".join(group) + "}" for group in ordered[:_MAX_SETS])
     hidden = len(ordered) - _MAX_SETS
     return shown if hidden <= 0 else f"{shown} and {count_text(hidden, 'more set')}"
+
+
+def _first(plan: Plan) -> dict[str, Text | str]:
+    """Return when the first certified plan was there, if it is known."""
+    if plan.first is None:
+        return {}
+    return {"first plan": f"after {plan.first.seconds:.2f} s, at cost {plan.first.cost:.6g}"}
 
 
 def _seconds(seconds: Mapping[str, float]) -> str:

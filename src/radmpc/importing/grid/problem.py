@@ -15,6 +15,7 @@ from radmpc.io.native.numbers import Text
 from radmpc.io.text.document import Document
 from radmpc.io.text.files import shown
 from radmpc.model.scenario import Workspace
+from radmpc.wording import count_text
 
 __all__ = [
     "MOST_CELLS",
@@ -82,6 +83,7 @@ def read_multi_robot_grid(document: Document) -> ForeignProblem:
     """
     if not isinstance(document.value, Mapping):
         raise ScenarioError(f"must be a mapping, got {shown(document.value)}")
+    _check_goals(document.value)
     file = validated(_File, document.value)
     blocked = _blocked(file.map)
     if not file.agents:
@@ -142,7 +144,7 @@ def grid_problem(
                 "1 m wide, vehicles start and end in their middle and move freely between; "
                 "y counts rows as the file does",
             ),
-            ("obstacles", f"{blocked.sum()} blocked cells joined into {len(pieces)} rectangles"),
+            *_describe_obstacles(int(blocked.sum()), len(pieces)),
             ("radius", f"{_RADIUS:g} m: half a cell wide"),
             (
                 "limits",
@@ -152,6 +154,26 @@ def grid_problem(
             *reasons,
         ),
     )
+
+
+def _describe_obstacles(cells: int, pieces: int) -> tuple[tuple[str, str], ...]:
+    """Return what blocked cells became, if any are."""
+    if not cells:
+        return ()
+    told = f"{count_text(cells, 'blocked cell')} joined into {count_text(pieces, 'rectangle')}"
+    return (("obstacles", told),)
+
+
+def _check_goals(value: Mapping[str, object]) -> None:
+    """Refuse agents with goals to choose from: each has its own, a scenario shares them."""
+    agents = value.get("agents")
+    for i, agent in enumerate(agents if isinstance(agents, list) else []):
+        if isinstance(agent, Mapping) and "potentialGoals" in agent and "goal" not in agent:
+            raise ScenarioError(
+                "is not read: state a 'goal' for each agent, and in the imported scenario "
+                "'assign: true' and the 'goals' that all of its vehicles choose from",
+                ("agents", i, "potentialGoals"),
+            )
 
 
 def _blocked(room: _Map) -> Cells:

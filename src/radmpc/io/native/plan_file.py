@@ -17,7 +17,7 @@ from radmpc.io.text.document import SCENARIO_LINE, Document
 from radmpc.io.text.files import one_line, read_text
 from radmpc.io.text.json_text import read_json, write_json
 from radmpc.model.given import check_plan
-from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
+from radmpc.model.plan import Coupling, FirstPlan, LedgerRow, Plan, Risk, Status, Trajectory
 from radmpc.system.atomic import write_text
 
 if TYPE_CHECKING:
@@ -143,6 +143,7 @@ def encode_plan(plan: Plan, *, with_vehicles: bool = True) -> dict[str, object]:
         "versions": dict(plan.versions),
         "explanation": plan.explanation,
         "stopped_by": plan.stopped_by,
+        **_first(plan),
     }
     if with_vehicles:
         content["vehicles"] = [_vehicle(trajectory) for trajectory in plan.trajectories]
@@ -152,6 +153,14 @@ def encode_plan(plan: Plan, *, with_vehicles: bool = True) -> dict[str, object]:
 def _optional(value: float | None) -> float | None:
     """Return a plain float, or None."""
     return None if value is None else float(value)
+
+
+def _first(plan: Plan) -> dict[str, object]:
+    """Return when the first certified plan was there, if it is known."""
+    if plan.first is None:
+        return {}
+    first = {"seconds": float(plan.first.seconds), "cost": float(plan.first.cost)}
+    return {"first_plan": first}
 
 
 def _saturation(plan: Plan) -> dict[str, object]:
@@ -237,6 +246,7 @@ def decode_plan(data: object) -> Plan:
         versions=dict(spec.versions),
         explanation=spec.explanation,
         stopped_by=spec.stopped_by,
+        first=None if spec.first_plan is None else FirstPlan(**spec.first_plan.model_dump()),
         trajectories=tuple(_trajectory(i, entry) for i, entry in enumerate(spec.vehicles)),
         couplings=tuple(Coupling(c.vehicle, c.other, c.reason, c.value) for c in spec.couplings),
     )

@@ -51,6 +51,13 @@ class TrajectorySpec(FileModel):
     gain: FiniteMatrix | None
 
 
+class FirstPlanSpec(FileModel):
+    """The first certified plan."""
+
+    seconds: Finite
+    cost: Finite
+
+
 class PlanSpec(FileModel):
     """A whole plan; its scenario is checked by its own schema."""
 
@@ -69,4 +76,5 @@ class PlanSpec(FileModel):
     versions: dict[str, Text] = Field(default_factory=dict)
     explanation: Text | None = None
     stopped_by: Text | None = None
+    first_plan: FirstPlanSpec | None = None
     vehicles: list[TrajectorySpec]

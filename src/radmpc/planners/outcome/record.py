@@ -153,6 +153,7 @@ def plan_of(
         couplings=draft.couplings,
         stopped_by=draft.stopped_by,
         certified_lower_bound=on_any,
+        first=draft.first,
     )
 
 

@@ -106,7 +106,7 @@ class Couplings(Decomposition):
             sets, plans = everyone, plan_sets(scenario, everyone, planner, run, "sets")
             steps += _steps_of(plans)
         seconds["sets"] = time.perf_counter() - approximated
-        status, why = verdict_of_sets(scenario, sets, plans)
+        status, why = verdict_of_sets(scenario, sets, plans, run.limits)
         ordered = in_order(sets, plans) if status is Status.FEASIBLE else ()
         return Draft(status, ordered, sets, steps, found.events, seconds, why, couplings=edges)
 

@@ -23,6 +23,11 @@ class NoRisk(Policy):
     def __str__(self) -> str:
         return "none"
 
+    def sought(self, risk_bound: float) -> str:
+        """Return which paths are looked for; see `Policy.sought`."""
+        del risk_bound  # ignored, as is noise
+        return "whose mean touches nothing (all that this planner looks at)"
+
     def solve(self, request: SolveRequest) -> Solved:
         """Solve once; see `Policy.solve`."""
         return _solve_at(0.0, request)
@@ -50,6 +55,12 @@ class Sigmas(Policy):
 
     def __str__(self) -> str:
         return f"sigmas({number_text(self.count)})"
+
+    def sought(self, risk_bound: float) -> str:
+        """Return which paths are looked for; see `Policy.sought`."""
+        del risk_bound  # ignored: deviations count whatever they risk
+        kept = number_text(self.count)
+        return f"that keeps {kept} standard deviations clear (all that this planner looks at)"
 
     def solve(self, request: SolveRequest) -> Solved:
         """Solve once; see `Policy.solve`."""

@@ -200,6 +200,21 @@ class Policy(ABC):
         """Whether only the risk that rows run leaves the pool, not all that they were allocated."""
         return False
 
+    def sought(self, risk_bound: float) -> str:
+        """Return which paths are looked for, in words after "finds no path".
+
+        Parameters
+        ----------
+        risk_bound : float
+            Δ [-].
+
+        Returns
+        -------
+        str
+            What such a path keeps to, and whether the planner looks at anything else.
+        """
+        return f"within the risk bound {risk_bound:g} that this planner sees"
+
     @abstractmethod
     def solve(self, request: SolveRequest) -> Solved:
         """Solve a program under this policy.
