@@ -65,8 +65,7 @@ def test_every_published_problem_gets_steps_and_noise_as_documented(path: Path) 
     for vehicle in scenario.vehicles:
         assert np.linalg.eigvalsh(vehicle.disturbance_covariance).min() > 0.0
         final = math.sqrt(vehicle.covariances(scenario.horizon)[-1, 0, 0])
-        if vehicle.name not in imported.choices["noise"]:
-            assert 0.2 * vehicle.radius <= final <= 0.21 * vehicle.radius
+        assert 0.2 * vehicle.radius <= final <= 0.21 * vehicle.radius
         assert vehicle.control_bounds(vehicle.covariances(scenario.horizon)).min() >= 1.5
         assert scenario.horizon * scenario.dt >= 1.5 * max(
             flight(d) for d in vehicle.goal.center - vehicle.start_position
@@ -113,13 +112,12 @@ def test_other_robots_are_flown_as_double_integrators_with_a_warning() -> None:
     trailer = "car_first_order_with_1_trailers_0"
     assert imported.warnings == (
         f"flown as double integrators from their positions: {trailer}",
-        "shapes replaced by discs of 0.662 m radius, which cover their boxes of 0.5 x 0.25 m and "
-        f"the trailers behind them at any angle: {trailer}",
-        "between start and goal of 'robot3' a hull of 0.662 m finds no path with clearance for "
-        "noise, of 0.19 m it might",
+        "shapes replaced by discs of 0.1 m radius, which do not cover their boxes of 0.5 x 0.25 m "
+        "and the trailers behind them at any angle (--radius 0.662 does): plans may let the "
+        f"published hulls collide: {trailer}",
     )
     radii = [vehicle.radius for vehicle in imported.scenario.vehicles]
-    assert radii == [0.1, 0.1, 0.662, 0.662]
+    assert radii == [0.1] * 4
     assert imported.scenario.vehicles[2].start.tolist() == [
         0.8592869189015326,
         1.7798579353275303,

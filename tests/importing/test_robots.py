@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -52,9 +53,16 @@ def corners(center: tuple[float, float], angle: float, size: tuple[float, float]
         "car1_v0",
     ],
 )
-def test_a_disc_covers_the_published_hull_at_any_angle(tmp_path: Path, kind: str) -> None:
+def test_the_radius_that_is_told_covers_the_published_hull_at_any_angle(
+    tmp_path: Path, kind: str
+) -> None:
     imported = import_scenario(written(tmp_path, typed(kind)))
-    radius = imported.scenario.vehicles[0].radius
+    assert imported.scenario.vehicles[0].radius == 0.1
+    told = re.search(
+        r"discs of 0.1 m radius, which do not cover .*--radius ([\d.]+) does", imported.warnings[1]
+    )
+    assert told is not None
+    radius = float(told[1])
     reach = np.linalg.norm(corners((0.0, 0.0), 0.3, (0.5, 0.25)), axis=1).max()
     if "trailers" in kind or kind == "car1_v0":
         for angle in np.linspace(0.0, 6.0, 50):
@@ -62,11 +70,9 @@ def test_a_disc_covers_the_published_hull_at_any_angle(tmp_path: Path, kind: str
             trailer = np.linalg.norm(corners(behind, angle, (0.3, 0.25)), axis=1).max()
             reach = max(reach, trailer)
     assert reach <= radius <= reach + 1e-3
-    assert (
-        f"discs of {radius:g} m radius, which cover their boxes of 0.5 x 0.25 m"
-        in (imported.warnings[1])
+    assert imported.choices["radius"] == (
+        "0.1 m, that of double integrators, in place of other hulls"
     )
-    assert f"{radius:g} m, from dynobench's models, discs that cover" in imported.choices["radius"]
 
 
 @pytest.mark.parametrize("kind", ["single_integrator_0", "integrator2_2d_v0"])
@@ -81,8 +87,9 @@ def test_a_radius_that_does_not_cover_the_published_hull_is_warned_of(tmp_path: 
     imported = import_scenario(problem, ImportOptions(radius=0.1))
     assert imported.choices["radius"] == "0.1 m, as asked"
     assert imported.warnings[1] == (
-        "discs of 0.1 m radius, as asked, do not cover their boxes of 0.5 x 0.25 m (0.2796 m "
-        "would): plans may let the published hulls collide: unicycle_first_order_0"
+        "shapes replaced by discs of 0.1 m radius, as asked, which do not cover their boxes of "
+        "0.5 x 0.25 m (--radius 0.2796 does): plans may let the published hulls collide: "
+        "unicycle_first_order_0"
     )
     assert len(import_scenario(problem, ImportOptions(radius=0.3)).warnings) == 1
 
@@ -93,16 +100,9 @@ def test_a_hull_that_is_not_known_is_called_a_guess(tmp_path: Path) -> None:
         "shapes replaced by discs of 0.1 m radius, a guess, their models are not known here "
         "(--radius states theirs): hovercraft"
     )
-    assert imported.choices["radius"] == "0.1 m, a guess, where the model is not known here"
-
-
-def test_a_covering_disc_is_not_reduced_where_it_finds_no_path(tmp_path: Path) -> None:
-    box = "    - {type: box, center: [2, 2], size: [1, 0.5]}\n"
-    wall = "    - {{type: box, center: [2.5, {}], size: [0.1, 2.3]}}\n"
-    text = typed("unicycle_first_order_0").replace(box, wall.format(1.15) + wall.format(3.85))
-    imported = import_scenario(written(tmp_path, text))
-    assert imported.scenario.vehicles[0].radius == 0.2796
-    assert any("a hull of 0.2796 m finds no path" in warning for warning in imported.warnings)
+    assert imported.choices["radius"] == (
+        "0.1 m, that of double integrators, in place of other hulls"
+    )
 
 
 def test_a_velocity_at_a_goal_is_a_limit_of_speed_and_says_so(tmp_path: Path) -> None:
@@ -133,6 +133,7 @@ def test_robots_of_several_types_get_one_warning_of_how_they_are_flown(tmp_path:
     assert import_scenario(written(tmp_path, text)).warnings == (
         "flown as double integrators from their positions: car_first_order_0, "
         "unicycle_first_order_0",
-        "shapes replaced by discs of 0.2796 m radius, which cover their boxes of 0.5 x 0.25 m: "
+        "shapes replaced by discs of 0.1 m radius, which do not cover their boxes of 0.5 x 0.25 m "
+        "(--radius 0.2796 does): plans may let the published hulls collide: "
         "car_first_order_0, unicycle_first_order_0",
     )

@@ -43,10 +43,8 @@ def fit_hulls(
     Returns
     -------
     ForeignProblem
-        The same if all hulls fit, and where discs cover other hulls: these would stick out.
+        The same if all hulls fit.
     """
-    if any(v.shape is not None for v in problem.vehicles):
-        return problem
     share = 1.0
     for v, space in zip(problem.vehicles, spaces, strict=True):
         path = space.shortest_path(v, _TARGET_CLEARANCE * v.radius)

@@ -62,7 +62,8 @@ _HULLS: tuple[tuple[str, float, str], ...] = (
 and what it covers; nothing where the hull is that disc."""
 
 _OTHER_RADIUS = 0.1
-"""Hull radius of types whose models are not known here, a guess [m]."""
+"""Radius of the discs that other hulls are flown as [m], that of the double integrators in their
+place: problems are made for hulls that turn, and many have no plan for discs that cover these."""
 
 
 class _Obstacle(FileModel):
@@ -168,30 +169,30 @@ def read_dynobench(document: Document) -> ForeignProblem:
 
 
 def _hull(robot: _Robot) -> tuple[float, ForeignShape | None]:
-    """Return the radius of a robot's disc, and what that covers if its hull is another."""
-    for pattern, radius, covered in _HULLS:
+    """Return the radius of a robot's disc, and its hull if that is another."""
+    for pattern, radius, parts in _HULLS:
         if re.fullmatch(pattern, robot.type):
-            return radius, ForeignShape(robot.type, covered) if covered else None
-    return _OTHER_RADIUS, ForeignShape(robot.type, None)
+            if not parts:
+                return radius, None
+            return _OTHER_RADIUS, ForeignShape(robot.type, parts, radius)
+    return _OTHER_RADIUS, ForeignShape(robot.type, None, None)
 
 
 def _radius_reason(robots: list[_Robot]) -> str:
     """Return the radii and where they are from."""
     hulls = [_hull(robot) for robot in robots]
-    known = sorted({radius for radius, shape in hulls if not shape or shape.covered})
+    known = sorted({radius for radius, shape in hulls if not shape})
     parts = []
     if known:
         text = f"{' or '.join(f'{radius:g}' for radius in known)} m, from dynobench's models"
-        if any(shape and shape.covered for _, shape in hulls):
-            text += ", discs that cover those of its hulls that are boxes"
         if any(_is_integrator(robot) for robot in robots):
             # By dynobench's model a plan is judged; db-CBS's search keeps some distance more.
             text += (
                 ", by which db-CBS checks its plans (double integrators it searches with 0.15 m)"
             )
         parts.append(text)
-    if any(shape and not shape.covered for _, shape in hulls):
-        parts.append(f"{_OTHER_RADIUS:g} m, a guess, where the model is not known here")
+    if any(shape for _, shape in hulls):
+        parts.append(f"{_OTHER_RADIUS:g} m, that of double integrators, in place of other hulls")
     return "; ".join(parts)
 
 

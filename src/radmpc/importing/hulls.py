@@ -24,28 +24,27 @@ def describe_hulls(vehicles: Sequence[ForeignVehicle], asked: float | None) -> l
     list of str
         A line for each kind of hull; none where all are discs, or those asked for cover them.
     """
-    kinds: dict[tuple[float, str | None], list[str]] = {}
+    kinds: dict[tuple[float | None, str | None], list[str]] = {}
     for v in vehicles:
         if v.shape is not None:
-            names = kinds.setdefault((v.radius, v.shape.covered), [])
+            names = kinds.setdefault((v.shape.covering, v.shape.parts), [])
             if v.shape.kind not in names:
                 names.append(v.shape.kind)
+    given = min((v.radius for v in vehicles if v.shape is not None), default=0.0)
+    radius, how = (given, "") if asked is None else (asked, ", as asked,")
     told = []
-    for (radius, covered), names in sorted(kinds.items(), key=lambda one: one[0][0]):
+    for (covering, parts), names in sorted(kinds.items(), key=lambda one: one[0][0] or 0.0):
         who = ", ".join(sorted(names))
-        if covered is None:
+        if covering is None:
             if asked is None:
                 told.append(
                     f"shapes replaced by discs of {radius:g} m radius, a guess, their models are "
                     f"not known here (--radius states theirs): {who}"
                 )
-        elif asked is None:
+        elif radius < covering:
             told.append(
-                f"shapes replaced by discs of {radius:g} m radius, which cover {covered}: {who}"
-            )
-        elif asked < radius:
-            told.append(
-                f"discs of {asked:g} m radius, as asked, do not cover {covered} ({radius:g} m "
-                f"would): plans may let the published hulls collide: {who}"
+                f"shapes replaced by discs of {radius:g} m radius{how or ','} which do not cover "
+                f"{parts} (--radius {covering:g} does): plans may let the published hulls "
+                f"collide: {who}"
             )
     return told

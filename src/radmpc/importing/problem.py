@@ -65,12 +65,15 @@ class ForeignShape:
     ----------
     kind : str
         What its file calls vehicles of this hull.
-    covered : str or None
-        What the disc around it covers, in words; None where the hull is not known.
+    parts : str or None
+        What it is made of, in words; None where the hull is not known.
+    covering : float or None
+        Radius of the disc that covers it at any angle [m]; None where that is not known.
     """
 
     kind: str
-    covered: str | None
+    parts: str | None
+    covering: float | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
