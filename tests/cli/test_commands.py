@@ -179,7 +179,7 @@ def test_import_says_as_check_does_where_discs_overlap_at_starts_or_goals(
         + robot % ("1, 2, 0, 0", "4, 4, 0, 0"),
         encoding="utf-8",
     )
-    imported = run("import", "cars.yaml", "-o", "mine.yaml")
+    imported = run("import", "cars.yaml", "-o", "mine.yaml", "--radius", 0.662)
     assert imported.exit_code == 0
     (told,) = [line for line in imported.stdout.splitlines() if line.startswith("no plan: ")]
     assert "they overlap, 1 m apart where 1.32 m" in told
