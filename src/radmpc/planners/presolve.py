@@ -104,7 +104,7 @@ def blocked_by_another(scenario: Scenario) -> list[Reason]:
     """
     if scenario.num_vehicles < 2 or scenario.workspace is None:
         return []
-    from radmpc.planners.reaching.passing import blocked_pairs, blocked_text  # noqa: PLC0415 - see above
+    from radmpc.planners.reaching.passing import blocked_pairs, blocked_text  # noqa: PLC0415 - pairs within borders alone
 
     found = blocked_pairs(scenario)
     return [Reason(one.members, blocked_text(scenario, one)) for one in found]
@@ -127,7 +127,7 @@ def enclosed_reasons(scenario: Scenario, exempt: Collection[int] = ()) -> list[R
     """
     if not scenario.obstacles:
         return []
-    from radmpc.planners.reaching.enclosed import BarriersOfAll, closed_text  # noqa: PLC0415 - see above
+    from radmpc.planners.reaching.enclosed import BarriersOfAll, closed_text  # noqa: PLC0415 - obstacles alone close ways
 
     barriers, reasons = BarriersOfAll(scenario), []
     for i, vehicle in enumerate(scenario.vehicles):
@@ -159,7 +159,7 @@ def late_around(
     """
     if not scenario.obstacles:
         return []
-    from radmpc.planners.reaching.around import WaysAround, late_text  # noqa: PLC0415 - see above
+    from radmpc.planners.reaching.around import WaysAround, late_text  # noqa: PLC0415 - obstacles alone are in the way
 
     ways, reasons = WaysAround(scenario), []
     for i, model in enumerate(models):
