@@ -105,8 +105,8 @@ def solve_sets(
     def tell(done: int, total: int) -> None:
         fleet.progress(done, total)
         if state.has_plan:
-            fleet.found(state.incumbent.cost, reported_bound(fleet, state, fleet.gap))
             fleet.improved(state.incumbent.controls)
+            fleet.found(state.incumbent.cost, reported_bound(fleet, state, fleet.gap))
 
     searches, parts = [], _known_parts(state, unit_price)
     for members in sets:

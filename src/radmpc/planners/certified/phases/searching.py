@@ -21,6 +21,7 @@ from radmpc.planners.certified.phases.course import (
 from radmpc.planners.certified.phases.improving import is_searched_nearby
 from radmpc.planners.certified.phases.time_shares import but_for_faces, limits_of_search
 from radmpc.planners.certified.phases.tuning import TUNING as PHASES
+from radmpc.planners.certified.phases.turned_first import at_prices
 from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.norms import outside_norms_of
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
@@ -139,7 +140,7 @@ def searched(
         search = PriceSearch.of(fleet, run.judge, first.cost)
     on_any = max(on_any, float(sum(outside_norms_of(fleet).base)))
     if state.budget > 0.0 and not is_dear:
-        state = search.run(state)
+        search, state, first = at_prices(search, state, first, run.judge)
     if state.has_plan or is_dear:
         # Turning has time of its own, reserved beforehand.
         found = SearchResult(search, state, first, None, begin.reason or None)

@@ -15,7 +15,7 @@ from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.state.timed_judge import estimate
-from radmpc.planners.certified.turned.large.groups import groups_of
+from radmpc.planners.certified.turned.large.groups import groups_of, parts_of
 from radmpc.planners.certified.turned.large.side_by_side import share_risk_side_by_side
 from radmpc.planners.certified.turned.linear.warm_programs import WarmPrograms
 from radmpc.planners.certified.turned.paths import SavedPaths
@@ -126,7 +126,7 @@ class Turning:
         """
         task, paths = self.task, self.successive.paths
         is_large = task.hazards.count > TUNING.few
-        is_urgent = is_large and not self.incumbent.controls
+        is_urgent = (is_large or self._is_parted) and not self.incumbent.controls
         flags = is_urgent, self.enough < float("inf"), is_large
         control = PriceControl(self.price, task.risk_bound, task.gap, rival, *flags)
         self.successive.programs.forget_all_but(self.groups)
@@ -144,10 +144,13 @@ class Turning:
             if useful.reached or is_enough or control.is_over or self._has_spent(number, some):
                 break
             self.price = control.price
-            is_first = self.is_routed and not self.incumbent.controls
+            is_first, was_parted = self.is_routed and not self.incumbent.controls, self._is_parted
             before = (paths.state(), certified) if is_first else None
             self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
             certified, cost = self._take(before), paths.cost()
+            if was_parted and not self._is_parted:
+                # There is room for so many programs, and parts are not planned again.
+                self.successive.programs.forget_all_but(self.groups)
             _LOG.info(
                 "turn %d of half-spaces: price of 1 %% of the risk bound %.3g, cost %.6g, "
                 "certificate %.3g",
@@ -163,6 +166,12 @@ class Turning:
     def certified(self) -> float:
         """Return the certificate of the latest paths [-]."""
         return self.task.judge(tuple(self.successive.paths.controls)).certified
+
+    @property
+    def _is_parted(self) -> bool:
+        """Whether a large set between obstacles has no plan yet, and is turned in parts."""
+        is_first = self.is_routed and not self.incumbent.controls
+        return is_first and max(map(len, self.sets)) > TUNING.most_before_plan
 
     def _has_spent(self, number: int, some: Limits) -> bool:
         """Whether so many rounds took all the work, or all the time, that turning may take."""
@@ -182,12 +191,13 @@ class Turning:
     def _turn(self, spacing: float) -> None:
         """Plan every group once, at once where none shares a set with another."""
         successive, costs, executor = self.successive, (self.price, spacing), self.task.executor
-        if len(self.groups) > 1 and max(map(len, self.sets)) <= TUNING.most_together:
+        is_small = max(map(len, self.sets)) <= TUNING.most_together
+        if len(self.groups) > 1 and is_small and not self._is_parted:
             self.risk = share_risk_side_by_side(successive, self.groups, costs, executor)
             self.num_solves += len(self.groups)
             return
         self.risk = 0.0
-        for group in self.groups:
+        for group in parts_of(self.groups) if self._is_parted else self.groups:
             if self.task.limits.reached:
                 return
             self.risk += successive.share_risk(group, *costs)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.turned.tuning import TUNING
 
-__all__ = ["groups_of"]
+__all__ = ["groups_of", "parts_of"]
 
 
 def groups_of(sets: Sequence[Members], count: int) -> tuple[Members, ...]:
@@ -39,3 +39,20 @@ def groups_of(sets: Sequence[Members], count: int) -> tuple[Members, ...]:
             else:
                 groups.append(tuple(sorted(part)))
     return tuple(groups)
+
+
+def parts_of(groups: Sequence[Members]) -> tuple[Members, ...]:
+    """Return groups parted into few vehicles each, to be planned one after the other.
+
+    Parameters
+    ----------
+    groups : sequence of tuple of int
+        Who would share a linear program.
+
+    Returns
+    -------
+    tuple of tuple of int
+        A partition of the same vehicles.
+    """
+    each = TUNING.each_before_plan
+    return tuple(group[k : k + each] for group in groups for k in range(0, len(group), each))

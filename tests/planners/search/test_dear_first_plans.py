@@ -1,0 +1,95 @@
+"""First plans that cost much: turned before they are reported, and in parts while there is none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from radmpc import Goal, Obstacle, Scenario, Vehicle, Workspace, certify, double_integrator, plan
+from radmpc.experiments.families import circle
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.task import Task
+from radmpc.planners.certified.turned.large.groups import parts_of
+from radmpc.planners.certified.turned.successive import SuccessiveLp
+from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.certified.turned.turning import Turning
+from radmpc.planners.verdict import Verdict
+from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
+from radmpc.solvers.solution import Limits
+
+
+def alcove() -> Scenario:
+    """One that has to pass another in a lane, which can make way into an alcove only."""
+    lane = (
+        Obstacle.box("west", [0.0, 0.0], [2.5, 1.0]),
+        Obstacle.box("east", [4.0, 0.0], [6.5, 1.0]),
+        Obstacle.box("north", [0.0, 2.5], [6.5, 3.5]),
+    )
+    one, other = (
+        Vehicle(
+            name=name,
+            radius=0.4,
+            system=double_integrator(1.7, 2),
+            start=[*start, 0.0, 0.0],
+            goal=Goal.at(goal, 0.1, speed=0.05),
+            control_limit=2.0,
+            speed_limit=0.5,
+            initial_covariance=np.diag([1.3e-4, 1.3e-4, 4.5e-6, 4.5e-6]),
+            disturbance_covariance=np.diag([1.3e-4, 1.3e-4, 4.5e-6, 4.5e-6]),
+        )
+        for name, start, goal in (("a", [0.5, 1.75], [6.0, 1.75]), ("b", [2.0, 1.75], [4.5, 1.75]))
+    )
+    room = Workspace(np.zeros(2), np.array([6.5, 3.5]))
+    return Scenario("alcove", 1.7, 10, 0.05, (one, other), obstacles=lane, workspace=room)
+
+
+def test_a_first_plan_that_costs_much_is_turned_before_it_is_reported() -> None:
+    reported, made = [], []
+    result = plan(
+        alcove(),
+        "certified",
+        time_limit=60.0,
+        found=lambda cost, _: reported.append(cost),
+        improved=made.append,
+    )
+    assert result.plan is not None
+    assert certify(result.plan).holds
+    assert result.plan.cost <= min(reported)
+    # By faces it costs half as much again; that plan was handed on, so that an interrupt keeps it.
+    assert reported[0] < 1.2 * result.plan.cost
+    assert made[0].cost > 1.4 * result.plan.cost
+
+
+def turning(is_routed: bool) -> Turning:
+    """Return the turning of a large set that begins on straight lines, in the name of routes."""
+    scenario = circle(16)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    judge = lambda _: Verdict(1.0, ())  # noqa: E731 - a referee that certifies nothing
+    task = Task(hazards, judge, Limits(), 1e-3, scenario.risk_bound)
+    made = Turning(task, FleetIncumbent(), (tuple(range(16)),), 5.0, is_routed=is_routed)
+    assert made.successive.begin_alone()
+    return made
+
+
+@pytest.mark.parametrize(("is_routed", "most"), [(True, TUNING.each_before_plan), (False, 16)])
+def test_a_large_set_between_obstacles_is_turned_in_parts_before_a_plan(
+    is_routed: bool, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    groups = []
+    planned = SuccessiveLp.share_risk
+
+    def share_risk(self: SuccessiveLp, group: tuple[int, ...], *costs: float) -> float:
+        groups.append(group)
+        return planned(self, group, *costs)
+
+    monkeypatch.setattr(SuccessiveLp, "share_risk", share_risk)
+    turning(is_routed).run(1)
+    assert max(map(len, groups)) == most
+    assert sorted(i for group in groups for i in group) == list(range(16))
+
+
+def test_parts_hold_every_vehicle_once() -> None:
+    parts = parts_of([tuple(range(13)), (13, 14)])
+    assert sorted(i for part in parts for i in part) == list(range(15))
+    assert max(map(len, parts)) <= TUNING.each_before_plan
