@@ -66,6 +66,7 @@ def test_a_report_says_what_was_flown_and_written(run: Run, planned: Path) -> No
         (("--with", "kite"), "backend must be one of model, "),
         (("--with", "model", "--option", "wind"), "--option must be KEY=VALUE, every key once"),
         (("--with", "model", "--option", "wind=1"), "takes no option 'wind', got '1'"),
+        (("--with", "model", "--option", "rng=1"), "takes no option 'rng', got '1'; it takes none"),
         (("--with", "boat"), "radius: must be at least 1.14 m to be flown with a boat"),
     ],
 )

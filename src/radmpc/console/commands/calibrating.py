@@ -148,6 +148,7 @@ def _check(request: CalibrateRequest) -> None:
 def _making(request: CalibrateRequest) -> Making:
     """Return what makes the backend."""
     kind, options = backend_named(request.backend), _options(request.options)
+    kind.check_options(options)
 
     def making(scenario: Scenario, rng: np.random.Generator) -> Backend:
         return kind.make(scenario, rng=rng, **options)

@@ -243,6 +243,7 @@ def _backend(record: FlightRecord, number: int) -> Backend:
     settings = record.settings
     rng = np.random.default_rng([settings.seed, number])
     kind = backend_named(settings.backend)
+    kind.check_options(settings.options)
     return kind.make(record.plan.scenario, rng, **settings.options)
 
 
