@@ -294,4 +294,6 @@ def objection(moment: Moment, price: float, scores: tuple[float, float], *, is_f
         return "another candidate is better"
     if moment.is_unsafe:
         return f"the candidate risks {price:.3g}, the tail {moment.value.total:.3g}"
-    return f"the tail is better: {least:.4g} against {score:.4g} still to come"
+    shown = f"{least:.4g}", f"{score:.4g}"
+    than = "as good" if shown[0] == shown[1] else "better"
+    return f"the tail is {than}: {shown[0]} against {shown[1]} still to come"
