@@ -41,7 +41,7 @@ class BackendKind:
     repeats : bool
         Whether the same seed and controls lead to the same states: vehicles do not repeat.
     is_exact : bool
-        Whether it tells states as they are, and has obstacles where they are expected.
+        Whether its states are exact, and its obstacles where they are expected.
     """
 
     name: str
@@ -119,13 +119,13 @@ class BackendKind:
         """Refuse what is charged for not being known exactly, where it would be."""
         for i, vehicle in enumerate(scenario.vehicles):
             if vehicle.measurement is not None:
-                message = f"backend {self.name!r} tells states exactly, and no estimates"
+                message = f"backend {self.name!r} reports exact states, and no estimates"
                 raise ScenarioError(message, ("vehicles", i, "measurement"))
         for i, obstacle in enumerate(scenario.obstacles):
             if obstacle.spread is not None:
                 message = (
-                    f"backend {self.name!r} has {obstacle.name!r} where it is expected, and lets "
-                    "it not stray"
+                    f"backend {self.name!r} has {obstacle.name!r} where it is expected, and does "
+                    "not let it stray"
                 )
                 raise ScenarioError(message, ("obstacles", i, "moving", "covariance"))
 

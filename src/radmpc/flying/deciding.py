@@ -32,12 +32,12 @@ __all__ = [
 
 SHARE = 0.6
 """Share of the wealth that a candidate may cost [-]. At 1 the wealth dries up: a leg that is tight
-everywhere is worth nothing after a step that went well (docs/flying.md)."""
+everywhere has no value after a step that went well (docs/flying.md)."""
 
 MISS_PRICE = 20.0
 """Effort that a meter of missing the goals is worth [1/m]: 1 m/s² of a vehicle of weight 1, held
-for a step, is an effort of 1. Without it "whatever can be had" buys much effort for the last
-centimeters (docs/flying.md)."""
+for a step, is an effort of 1. Without it much effort would go into the last centimeters
+(docs/flying.md)."""
 
 _LAST_TICKS = 2
 """Steps before the end at which a candidate may cost all of the wealth [-]."""
@@ -106,7 +106,7 @@ class Decision:
         wealth: float,
         notes: tuple[Sequence[str], float],
     ) -> Tick:
-        """Return it as it is told.
+        """Return it as a tick of the mission.
 
         Parameters
         ----------

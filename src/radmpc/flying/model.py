@@ -44,8 +44,8 @@ class Backend(Protocol):
 class Model:
     """The scenario's dynamics with Gaussian noise; collisions by the referee's exact geometry.
 
-    Vehicles with a `measurement` are told by the estimates of their Kalman filters; what is hit is
-    hit by where they are.
+    States of vehicles with a `measurement` are returned as the estimates of their Kalman filters;
+    contacts follow from where they are.
 
     Parameters
     ----------
