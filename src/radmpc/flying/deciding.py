@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from radmpc.arguments import is_number, value_text
 from radmpc.arrays import Vector
-from radmpc.errors import ArgumentError
+from radmpc.errors import ArgumentError, ArgumentTypeError
 from radmpc.flying.account import Account
 from radmpc.flying.candidates.judging import Candidate
 from radmpc.flying.candidates.sources import Moment, Sources
@@ -69,10 +70,11 @@ class Rule:
 
     def __post_init__(self) -> None:
         """Refuse numbers out of their ranges."""
-        check_number(self.share, "share", 1.0)
         check_number(self.miss_price, "miss_price", most=1e300)
-        if self.share == 0.0:
-            raise ArgumentError("share must be above 0, got 0")
+        if not is_number(self.share):
+            raise ArgumentTypeError(f"share must be a number, got {value_text(self.share)}")
+        if not 0.0 < self.share <= 1.0:
+            raise ArgumentError(f"share must be above 0 and at most 1, got {self.share:.6g}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -237,7 +239,7 @@ def decided(rule: Rule, moment: Moment, timer: Timer) -> Decision:
         if reason:
             refused.append(Candidate(None, found.price, reason))
     if best is not None and timer.is_nearly_over():
-        # It was there in time, but judging and comparing it took what was left.
+        # In time, but judging and comparing it took what was left.
         refused.append(Candidate(None, best.price, LATE))
         best = None
     if best is not None and best.leg is not None:
@@ -256,8 +258,7 @@ def _offered(rule: Rule, moment: Moment, timer: Timer) -> Iterator[Candidate]:
         return
     grant = _grant(rule, moment.account, left)
     if grant < _LEAST_GRANT:
-        reason = f"a candidate might risk {grant:.3g}, too little to plan with"
-        yield Candidate(None, None, reason)
+        yield Candidate(None, None, f"a candidate might risk {grant:.3g}, too little to plan with")
         return
     yield Candidate(None, None, "there was nothing to choose from")
     yield from sources.offers(moment, grant, timer)
@@ -294,6 +295,6 @@ def objection(moment: Moment, price: float, scores: tuple[float, float], *, is_f
         return "another candidate is better"
     if moment.is_unsafe:
         return f"the candidate risks {price:.3g}, the tail {moment.value.total:.3g}"
-    shown = f"{least:.4g}", f"{score:.4g}"
-    than = "as good" if shown[0] == shown[1] else "better"
-    return f"the tail is {than}: {shown[0]} against {shown[1]} still to come"
+    ours, other = f"{least:.4g}", f"{score:.4g}"
+    than = "as good" if ours == other else "better"
+    return f"the tail is {than}: {ours} against {other} still to come"
