@@ -66,7 +66,8 @@ def test_a_report_says_what_was_flown_and_written(run: Run, planned: Path) -> No
         (("--with", "kite"), "backend must be one of model, "),
         (("--with", "model", "--option", "wind"), "--option must be KEY=VALUE, every key once"),
         (("--with", "model", "--option", "wind=1"), "takes no option 'wind', got '1'"),
-        (("--with", "boat"), "radius: must be at least 1.14 m to be flown with a boat"),
+        (("--with", "model", "--option", "rng=1"), "takes no option 'rng', got '1'; it takes none"),
+        (("--with", "boat"), "plan.json: vehicles[0].radius: must be at least 1.14 m to be flown"),
     ],
 )
 def test_what_cannot_be_flown_with_is_told_in_one_line(

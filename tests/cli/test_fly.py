@@ -235,10 +235,13 @@ def test_a_rate_that_speaks_against_the_bound_is_a_no(run: Run, plan: Path) -> N
     [
         (["--with", "kite"], "--with: backend must be one of model, rotorpy, irsim, boat, mavlink"),
         (["--option", "wind=3"], "backend 'model' takes no option 'wind', got '3'"),
+        (["--option", "rng=3"], "backend 'model' takes no option 'rng', got '3'; it takes none"),
         (["--replan", "magic"], "--replan: planner must be one of milp, "),
         (["--log", "a.bag"], "a.bag: a log must end in .mcap"),
         (["--film", "a.png"], "a.png: a film must end in .gif, .mp4"),
         (["--missions", "0"], "--missions"),
+        (["--deadline", "inf"], "--deadline must be finite, got inf; without it"),
+        (["--with", "boat"], "crossing.plan.json: avoidance: must be 'intervals' to be flown with"),
         (["-o", "crossing.plan.json"], "it is what is read"),
         (["-o", "none/a.jsonl"], "cannot write none/a.jsonl"),
     ],

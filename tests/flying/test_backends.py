@@ -9,6 +9,7 @@ import radmpc
 from radmpc.errors import ArgumentError, ArgumentTypeError
 from radmpc.experiments.families import paper
 from radmpc.flying.backends import BACKENDS, BackendKind, backend_named
+from radmpc.io.flight.record import FlightSettings
 
 
 def test_the_model_is_a_backend_and_its_seed_counts() -> None:
@@ -56,6 +57,23 @@ def test_an_extra_that_is_missed_only_when_the_backend_is_made_is_named_too(
 def test_an_option_that_a_backend_does_not_take_is_named() -> None:
     with pytest.raises(ArgumentTypeError, match="'model' takes no option 'wind', got 3"):
         backend_named("model").make(paper(2, seed=1), rng=0, wind=3)
+
+
+def test_options_that_a_backend_takes_are_listed_where_another_is_given() -> None:
+    taken = "it takes current, current_deviation, force, gust_time"
+    with pytest.raises(ArgumentTypeError, match=f"no option 'curent', got '1,0'; {taken}"):
+        backend_named("boat").check_options({"curent": "1,0"})
+    with pytest.raises(ArgumentTypeError, match="got 3; it takes none"):
+        backend_named("model").check_options({"wind": 3})
+
+
+@pytest.mark.parametrize("name", ["scenario", "rng", "self"])
+@pytest.mark.parametrize("backend", ["model", "boat"])
+def test_what_every_backend_is_made_of_is_no_option(backend: str, name: str) -> None:
+    plan = radmpc.plan(paper(2, seed=1)).require()
+    settings = FlightSettings(backend=backend, replan=None, options={name: "3"})
+    with pytest.raises(ArgumentTypeError, match=f"'{backend}' takes no option '{name}', got '3'"):
+        radmpc.begin_flight(plan, settings)
 
 
 def test_a_defect_of_a_backend_is_not_told_as_an_option_that_it_does_not_take(

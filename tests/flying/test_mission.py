@@ -288,7 +288,7 @@ def test_what_is_no_mission_is_refused(result: Result) -> None:
         Mission(replace(result.record, trajectories=result.record.trajectories[1:]))
     with pytest.raises(ArgumentTypeError, match="result must be a Plan"):
         Mission(result.record.scenario)
-    with pytest.raises(ArgumentError, match=r"share must be from 0 to 1, got 1\.5"):
+    with pytest.raises(ArgumentError, match=r"share must be above 0 and at most 1, got 1\.5"):
         Mission(result, share=1.5)
     with pytest.raises(ScenarioError, match="certifed"):
         Mission(result, planner="certifed")

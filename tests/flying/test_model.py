@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from dataclasses import replace
 
 from conditional_missions import crowded
 
+from radmpc.errors import ArgumentError
 from radmpc.flying.flight import fly
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
@@ -43,3 +45,16 @@ def test_the_model_meets_what_simulation_meets_mission_by_mission(
         ours.append(fly(mission, Model(plan.scenario, np.random.default_rng(seed))).has_collided)
     assert 3 <= sum(theirs) <= 37
     assert ours == theirs
+
+
+def test_the_model_refuses_segments_of_other_vehicles_or_in_another_order() -> None:
+    plan = crowded(2, "intervals", gain=True, noise=0.3)
+    names = [vehicle.name for vehicle in plan.scenario.vehicles]
+    model = Model(plan.scenario, 1)
+    states, contacts = model.reset()
+    segments = Mission(roomy(plan), planner=None).step(states, contacts=contacts).segments
+    for wrong in ((), segments[:1], segments[::-1]):
+        got = re.escape(f"must be of {names} in this order, got {[s.name for s in wrong]}")
+        with pytest.raises(ArgumentError, match=got):
+            model.advance(wrong)
+    model.advance(segments)

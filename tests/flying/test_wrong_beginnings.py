@@ -38,3 +38,12 @@ def test_a_state_beyond_all_range_is_no_measurement(plan: radmpc.Plan) -> None:
     mission = radmpc.Mission(plan)
     tick = mission.step([np.array([1e300, 0.0, 0.0, 0.0])])
     assert tick.segments[0].position.tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("share", [0.0, -1.0, 2.0, float("nan")])
+def test_a_share_out_of_its_range_is_refused_with_all_of_the_range(
+    plan: radmpc.Plan, share: float
+) -> None:
+    message = f"^share must be above 0 and at most 1, got {share:.6g}$"
+    with pytest.raises(radmpc.ArgumentError, match=message):
+        radmpc.Mission(plan, share=share)

@@ -104,7 +104,7 @@ class Account:
         Parameters
         ----------
         tail : float
-            Its conditional value by the rows it was bought with, not above the true one [-].
+            Its conditional value by the rows its certificate charged, not above the true one [-].
 
         Returns
         -------
@@ -156,8 +156,8 @@ class Account:
     def grant(self, share: float) -> float:
         """Return what a candidate may risk: a share of the wealth, at most Δ.
 
-        Who always buys for all of the wealth soon has none: a leg that is tight everywhere is worth
-        next to nothing after a step that went well, and nothing can be bought for that.
+        Candidates that may cost all of the wealth soon leave none: a leg that is tight everywhere
+        has next to no value after a step that went well, and no leg is affordable within that.
 
         Parameters
         ----------
@@ -194,7 +194,7 @@ class Account:
         Raises
         ------
         RiskError
-            If the bank does not hold what would be taken: the leg in the air was bought with it.
+            If the bank does not hold what would be taken: the leg in the air is charged the rest.
         """
         _check_risk(risk_bound, "risk_bound")
         bank = self.bank + (risk_bound - self.risk_bound)

@@ -20,6 +20,9 @@ from radmpc.records import dataclass
 
 __all__ = ["BACKENDS", "Backend", "BackendKind", "backend_named"]
 
+_GIVEN = ("self", "scenario", "rng")
+"""What every backend is made of, and what is therefore no option of it."""
+
 
 @dataclass(frozen=True, slots=True)
 class BackendKind:
@@ -38,7 +41,7 @@ class BackendKind:
     repeats : bool
         Whether the same seed and controls lead to the same states: vehicles do not repeat.
     is_exact : bool
-        Whether it tells states as they are, and has obstacles where they are expected.
+        Whether its states are exact, and its obstacles where they are expected.
     """
 
     name: str
@@ -78,37 +81,51 @@ class BackendKind:
         """
         if self.is_exact:
             self._check_exact(scenario)
+        self.check_options(options)
         try:
-            factory = self._loaded()
-            self._check_options(factory, options)
-            return factory(scenario, rng=rng, **options)
+            return self._loaded()(scenario, rng=rng, **options)
         except ImportError as error:
             raise ArgumentError(self._lack(error)) from error
 
-    def _check_options(
-        self, factory: Callable[..., Backend], options: Mapping[str, object]
-    ) -> None:
-        """Refuse options that the factory does not take."""
-        taken = signature(factory).parameters
-        if any(parameter.kind is Parameter.VAR_KEYWORD for parameter in taken.values()):
-            return
+    def check_options(self, options: Mapping[str, object]) -> None:
+        """Refuse options that it does not take; scenario and rng are none.
+
+        Parameters
+        ----------
+        options : mapping
+            By name, as given.
+
+        Raises
+        ------
+        ArgumentError
+            If its extra is not installed.
+        ArgumentTypeError
+            If it does not take one of them.
+        """
+        try:
+            taken = list(signature(self._loaded()).parameters.values())[1:]
+        except ImportError as error:
+            raise ArgumentError(self._lack(error)) from error
+        names = [each.name for each in taken if each.name != "rng"]
+        is_open = any(each.kind is Parameter.VAR_KEYWORD for each in taken)
         for name, value in options.items():
-            if name not in taken:
+            if name in _GIVEN or not (is_open or name in names):
                 raise ArgumentTypeError(
-                    f"backend {self.name!r} takes no option {name!r}, got {value_text(value)}"
+                    f"backend {self.name!r} takes no option {name!r}, got {value_text(value)}; "
+                    f"it takes {', '.join(names) or 'none'}"
                 )
 
     def _check_exact(self, scenario: Scenario) -> None:
         """Refuse what is charged for not being known exactly, where it would be."""
         for i, vehicle in enumerate(scenario.vehicles):
             if vehicle.measurement is not None:
-                message = f"backend {self.name!r} tells states exactly, and no estimates"
+                message = f"backend {self.name!r} reports exact states, and no estimates"
                 raise ScenarioError(message, ("vehicles", i, "measurement"))
         for i, obstacle in enumerate(scenario.obstacles):
             if obstacle.spread is not None:
                 message = (
-                    f"backend {self.name!r} has {obstacle.name!r} where it is expected, and lets "
-                    "it not stray"
+                    f"backend {self.name!r} has {obstacle.name!r} where it is expected, and does "
+                    "not let it stray"
                 )
                 raise ScenarioError(message, ("obstacles", i, "moving", "covariance"))
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from radmpc.arguments import is_number, value_text
 from radmpc.arrays import Vector
-from radmpc.errors import ArgumentError
+from radmpc.errors import ArgumentError, ArgumentTypeError
 from radmpc.flying.account import Account
 from radmpc.flying.candidates.judging import Candidate
 from radmpc.flying.candidates.sources import Moment, Sources
@@ -32,12 +33,12 @@ __all__ = [
 
 SHARE = 0.6
 """Share of the wealth that a candidate may cost [-]. At 1 the wealth dries up: a leg that is tight
-everywhere is worth nothing after a step that went well (docs/flying.md)."""
+everywhere has no value after a step that went well (docs/flying.md)."""
 
 MISS_PRICE = 20.0
 """Effort that a meter of missing the goals is worth [1/m]: 1 m/s² of a vehicle of weight 1, held
-for a step, is an effort of 1. Without it "whatever can be had" buys much effort for the last
-centimeters (docs/flying.md)."""
+for a step, is an effort of 1. Without it much effort would go into the last centimeters
+(docs/flying.md)."""
 
 _LAST_TICKS = 2
 """Steps before the end at which a candidate may cost all of the wealth [-]."""
@@ -69,10 +70,11 @@ class Rule:
 
     def __post_init__(self) -> None:
         """Refuse numbers out of their ranges."""
-        check_number(self.share, "share", 1.0)
         check_number(self.miss_price, "miss_price", most=1e300)
-        if self.share == 0.0:
-            raise ArgumentError("share must be above 0, got 0")
+        if not is_number(self.share):
+            raise ArgumentTypeError(f"share must be a number, got {value_text(self.share)}")
+        if not 0.0 < self.share <= 1.0:
+            raise ArgumentError(f"share must be above 0 and at most 1, got {self.share:.6g}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,7 +108,7 @@ class Decision:
         wealth: float,
         notes: tuple[Sequence[str], float],
     ) -> Tick:
-        """Return it as it is told.
+        """Return it as a tick of the mission.
 
         Parameters
         ----------
@@ -237,7 +239,7 @@ def decided(rule: Rule, moment: Moment, timer: Timer) -> Decision:
         if reason:
             refused.append(Candidate(None, found.price, reason))
     if best is not None and timer.is_nearly_over():
-        # It was there in time, but judging and comparing it took what was left.
+        # In time, but judging and comparing it took what was left.
         refused.append(Candidate(None, best.price, LATE))
         best = None
     if best is not None and best.leg is not None:
@@ -256,8 +258,7 @@ def _offered(rule: Rule, moment: Moment, timer: Timer) -> Iterator[Candidate]:
         return
     grant = _grant(rule, moment.account, left)
     if grant < _LEAST_GRANT:
-        reason = f"a candidate might risk {grant:.3g}, too little to plan with"
-        yield Candidate(None, None, reason)
+        yield Candidate(None, None, f"a candidate might risk {grant:.3g}, too little to plan with")
         return
     yield Candidate(None, None, "there was nothing to choose from")
     yield from sources.offers(moment, grant, timer)
@@ -294,4 +295,6 @@ def objection(moment: Moment, price: float, scores: tuple[float, float], *, is_f
         return "another candidate is better"
     if moment.is_unsafe:
         return f"the candidate risks {price:.3g}, the tail {moment.value.total:.3g}"
-    return f"the tail is better: {least:.4g} against {score:.4g} still to come"
+    ours, other = f"{least:.4g}", f"{score:.4g}"
+    than = "as good" if ours == other else "better"
+    return f"the tail is {than}: {ours} against {other} still to come"

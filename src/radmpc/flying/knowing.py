@@ -8,9 +8,9 @@ it is the measured state.
 
 Where vehicles share disturbances and any of these or of their own last, or one of them measures
 with noise, all of them are learned of together (`radmpc.model.noise.fleet`). Of one that measures
-with noise and shares three such vectors are known, one after the other: what its own filter tells,
-which is all that is heard of it; what the filter tells whose estimate the leg in the air acts upon,
-and which began with that leg; and what all that was measured tells.
+with noise and shares three such vectors are known, one after the other: the estimate of its own
+filter, which is all that it reports; that of the filter on which the leg in the air acts, and which
+began with that leg; and the estimate from everything that was measured.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ __all__ = [
 
 
 def remembers(vehicle: Vehicle) -> bool:
-    """Whether more than a vehicle's measured state tells what is to come.
+    """Whether more than a vehicle's measured state predicts what is to come.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def acted_on(vehicle: Vehicle, known: Vector) -> Vector:
 
 
 def best_of(vehicle: Vehicle, known: Vector) -> Vector:
-    """Return what all that was measured tells, (n,) or (2 n + s,).
+    """Return the estimate from everything that was measured, (n,) or (2 n + s,).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A leg: what is flown from some step on, and the rows it was bought with."""
+"""A leg: what is flown from some step on, and the rows that its certificate charged."""
 
 from __future__ import annotations
 
@@ -249,7 +249,7 @@ def leg_of(
         shape = (scenario.horizon, vehicle.system.num_controls)
         pushed = as_matrix(given, shape, ("vehicles", i, "controls"))
         means = rollout(vehicle.system, vehicle.start, pushed, vehicle.pushes(scenario.horizon))
-        # What it would check was checked, or is, overflow too, where its rows are bought.
+        # What it would check was checked, or is, overflow too, where its rows are charged.
         path = unchecked(Trajectory, vehicle.name, pushed, means, spread, vehicle.gain)
         trajectories.append(path)
     plan = Plan(

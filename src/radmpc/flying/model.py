@@ -10,6 +10,7 @@ import numpy as np
 
 from radmpc.arguments import check_rng
 from radmpc.arrays import Matrix, Vector
+from radmpc.errors import ArgumentError
 from radmpc.flying.nature import Nature, root_of
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.given import check_scenario
@@ -43,8 +44,8 @@ class Backend(Protocol):
 class Model:
     """The scenario's dynamics with Gaussian noise; collisions by the referee's exact geometry.
 
-    Vehicles with a `measurement` are told by the estimates of their Kalman filters; what is hit is
-    hit by where they are.
+    States of vehicles with a `measurement` are returned as the estimates of their Kalman filters;
+    contacts follow from where they are.
 
     Parameters
     ----------
@@ -111,7 +112,16 @@ class Model:
             After it; for vehicles with a measurement, the estimates.
         contacts : tuple of Contact
             What was hit on the way, or under ``steps`` at its end.
+
+        Raises
+        ------
+        ArgumentError
+            If they are not of the scenario's vehicles in its order.
         """
+        vehicles = [vehicle.name for vehicle in self._scenario.vehicles]
+        named = [segment.name for segment in segments]
+        if named != vehicles:
+            raise ArgumentError(f"segments must be of {vehicles} in this order, got {named}")
         controls = [segment.control for segment in segments]
         pairs = zip(self._scenario.vehicles, self._states, controls, strict=True)
         pushed = [_moved(v, x, u) for v, x, u in pairs]

@@ -174,3 +174,17 @@ def test_what_cannot_be_flown_leaves_no_file(tmp_path: Path, plan: Plan) -> None
     with pytest.raises(radmpc.ArgumentError, match="takes no option 'wind'"):
         begin_flight(plan, FlightSettings(options={"wind": "3"}), path)
     assert not path.exists()
+
+
+@pytest.mark.parametrize("cut", [0, 1])
+def test_a_flight_of_a_header_alone_goes_on_behind_it_also_without_its_line_end(
+    tmp_path: Path, plan: Plan, cut: int
+) -> None:
+    path = tmp_path / "flight.jsonl"
+    whole = begin_flight(plan, KEPT, path)
+    header = path.read_bytes().splitlines(keepends=True)[0]
+    path.write_bytes(header[: len(header) - cut])
+    assert without_seconds(resume_flight(path)) == without_seconds(whole)
+    assert path.read_bytes().startswith(header)
+    assert without_seconds(load_flight(path)) == without_seconds(whole)
+    assert flight_problems(load_flight(path)) == ()

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from executors import steering
 from slalom import slalom
 
-from radmpc.errors import ArgumentError, NoPlanError, RiskError
+from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, RiskError
 from radmpc.experiments.families import paper
 from radmpc.flying.flight import fly
 from radmpc.flying.leg import leg_of
@@ -19,6 +20,7 @@ from radmpc.flying.receding.itinerary import Guide, Itinerary
 from radmpc.flying.receding.long_mission import LongMission
 from radmpc.flying.receding.reserve import Reserve
 from radmpc.flying.remainder import left_of
+from radmpc.flying.tick import Contact
 from radmpc.model.goal import Goal
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
@@ -220,3 +222,59 @@ def test_an_alarm_of_a_window_names_its_share_of_the_bound() -> None:
     alarms = mission.step([start + np.array([1.0, 6.0, 0.0, 1.0])]).alarms
     [told] = [alarm for alarm in alarms if alarm.startswith("what is left risks")]
     assert re.search(r"more than the window's share of Δ, 0\.0\d+$", told)
+
+
+def test_a_step_beyond_the_end_names_the_whole_mission_and_keeps_no_contact() -> None:
+    scenario = far(10)
+    mission = LongMission(
+        scenario, window=8, overlap=3, guide=straight(scenario), planner=steering, warm=False
+    )
+    flight = fly(mission, Model(scenario, 2))
+    with pytest.raises(ArgumentError, match="the mission of 10 steps is over"):
+        mission.step(flight.states[-1], contacts=[Contact(10, "obstacle", "0", "late")])
+    assert mission.contacts == ()
+
+
+def test_a_step_of_a_stranded_mission_says_how_far_it_came() -> None:
+    scenario, plans = far(), []
+
+    def once(scene: Scenario, seconds: float | None) -> Plan | None:
+        plans.append(scene)
+        return steering(scene, seconds) if len(plans) == 1 else None
+
+    mission = LongMission(
+        scenario, window=8, overlap=3, guide=straight(scenario), planner=once, warm=False
+    )
+    flight = fly(mission, Model(scenario, 2))
+    with pytest.raises(ArgumentError, match="stranded after 8 of 24 steps: no next window"):
+        mission.step(flight.states[-1])
+
+
+def test_windows_need_a_planner_and_a_guide_that_can_be_asked() -> None:
+    scenario = far()
+    with pytest.raises(ArgumentTypeError, match="planner must be a name or a function, got None"):
+        LongMission(scenario, window=8, overlap=3, planner=None)  # type: ignore[arg-type] # wrong
+    with pytest.raises(ArgumentTypeError, match="guide must be a function or None, got 3"):
+        LongMission(scenario, window=8, overlap=3, guide=3)  # type: ignore[arg-type] # wrong
+
+
+@pytest.mark.parametrize("wrong", [3, [], [[1.0, 2.0]]])
+def test_what_a_guide_returns_must_be_a_goal_of_every_vehicle(wrong: Any) -> None:
+    scenario = far()
+
+    def guide(step: int) -> Any:
+        return wrong
+
+    with pytest.raises(
+        ArgumentTypeError, match=r"guide\(8\) must return a list or tuple of 1 Goal"
+    ):
+        LongMission(scenario, window=8, overlap=3, guide=guide, planner=steering)
+
+
+def test_a_guide_of_ones_own_leaves_the_goals_of_the_mission_as_they_are() -> None:
+    scenario = far(10)
+    lost = [Goal.at([-99.0, -99.0], 0.5, None)]
+    given = Itinerary.given(scenario, lambda step: lost)
+    assert given.until(8).vehicles[0].goal is not scenario.vehicles[0].goal
+    assert np.array_equal(given.until(8).vehicles[0].goal.center, [-99.0, -99.0])
+    assert np.array_equal(given.until(10).vehicles[0].goal.center, scenario.vehicles[0].goal.center)

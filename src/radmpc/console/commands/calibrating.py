@@ -17,7 +17,7 @@ from radmpc.console.reports.noise_values import identification_json, plain_array
 from radmpc.console.reports.progress import progress_line
 from radmpc.console.reports.report import facts
 from radmpc.console.running.guard import Code
-from radmpc.errors import ArgumentError, FileFormatError
+from radmpc.errors import ArgumentError, FileFormatError, ScenarioError
 from radmpc.flying.backends import Backend, backend_named
 from radmpc.io.native.plan_file import save_plan
 from radmpc.io.native.scenario_file import save_scenario
@@ -106,14 +106,17 @@ def run_calibrate(request: CalibrateRequest) -> int:
     plan, making = read_plan(request.plan_file), _making(request)
     day = datetime.now(tz=UTC).strftime("%Y-%m-%d")
     with progress_line(is_shown=not request.as_json) as line:
-        found = calibrate(
-            plan,
-            making,
-            missions=request.missions,
-            seed=request.seed,
-            day=day,
-            progress=lambda done: line("flying", done, request.missions),
-        )
+        try:
+            found = calibrate(
+                plan,
+                making,
+                missions=request.missions,
+                seed=request.seed,
+                day=day,
+                progress=lambda done: line("flying", done, request.missions),
+            )
+        except ScenarioError as error:
+            raise ScenarioError(f"{request.plan_file}: {error}") from error
     before = _Flown(plan.scenario.risk_bound, certify(plan).certified, found.rate)
     with writing(request.output):
         save_scenario(found.scenario, request.output)
@@ -148,6 +151,7 @@ def _check(request: CalibrateRequest) -> None:
 def _making(request: CalibrateRequest) -> Making:
     """Return what makes the backend."""
     kind, options = backend_named(request.backend), _options(request.options)
+    kind.check_options(options)
 
     def making(scenario: Scenario, rng: np.random.Generator) -> Backend:
         return kind.make(scenario, rng=rng, **options)

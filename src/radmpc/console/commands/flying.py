@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -154,6 +155,10 @@ def _check(request: FlyRequest) -> None:
     check_film(request.film)
     check_separate(request.source, request.output, request.log, request.film)
     _check_names(request)
+    if request.deadline is not None and math.isinf(request.deadline):
+        raise ArgumentError(
+            "--deadline must be finite, got inf; without it the planner's own limit holds"
+        )
     if request.output is not None and is_flight(request.output):
         _check_over(request.output)
 
@@ -223,6 +228,8 @@ def _begun(request: FlyRequest, line: ProgressLine, is_stopped: Callable[[], boo
         return begin_flight(plan, settings, request.output, stop=is_stopped, progress=told)
     except RiskError as error:
         raise NoPlanError(f"{request.source}: cannot be flown: {error}") from error
+    except ScenarioError as error:
+        raise ScenarioError(f"{request.source}: {error}") from error
 
 
 def _flyable(source: Path) -> Plan:

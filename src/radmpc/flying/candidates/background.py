@@ -1,4 +1,4 @@
-"""Planning for the next step while this one is flown, on somebody else's executor."""
+"""Planning for the next step while this one is flown, on an executor that is given."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ CUT_OFF = frozenset({LATE, NO_TIME, NOT_IN_TIME})
 """Why there is no other leg where the deadline left no time for one."""
 
 _TELLING = 5e-4
-"""Time before a deadline from which on the tail is flown [s]: what eight vehicles are told takes
+"""Time before a deadline from which on the tail is flown [s]: the segments of eight vehicles take
 0.2 ms of processor."""
 
 _PLANNING_SHARE = 0.8

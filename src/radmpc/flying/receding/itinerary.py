@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from radmpc.arguments import value_text
 from radmpc.arrays import Vector
-from radmpc.errors import ScenarioError
+from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.flying.receding.guide import CoarsePlan, coarse_plan
 from radmpc.flying.remainder import changed
 from radmpc.model.goal import Goal
@@ -18,6 +19,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import Visit, steps_of_visits, steps_visited
 from radmpc.records import dataclass
+from radmpc.wording import count_text
 
 __all__ = ["Guide", "Itinerary", "Progress"]
 
@@ -115,7 +117,7 @@ class Itinerary:
 
     @classmethod
     def given(cls, scenario: Scenario, guide: Guide) -> Itinerary:
-        """Return the itinerary of a guide that somebody gave: all is due when its window ends.
+        """Return the itinerary of a given guide: all is due when its window ends.
 
         Parameters
         ----------
@@ -149,8 +151,13 @@ class Itinerary:
         ----------
         end : int
             The last step, at most its horizon.
+
+        Raises
+        ------
+        ArgumentTypeError
+            If the guide does not return a goal of every vehicle.
         """
-        pairs = zip(self.scenario.vehicles, self.guide(end), strict=True)
+        pairs = zip(self.scenario.vehicles, self._goals(end), strict=True)
         vehicles = tuple(changed(v, goal=replace(g, within=None), via=()) for v, g in pairs)
         obstacles = tuple(_until(obstacle, end) for obstacle in self.scenario.obstacles)
         return changed(self.scenario, horizon=end, vehicles=vehicles, obstacles=obstacles)
@@ -176,7 +183,7 @@ class Itinerary:
             via = self._visits(i, asked, step, window.horizon)
             goal, within = vehicle.goal, self.scenario.vehicles[i].goal.within
             if within is not None and step + window.horizon >= self.arrivals[i]:
-                # Who was pushed out of its goal is to come back.
+                # A vehicle that was pushed out of its goal is to come back.
                 is_there = done.arrived[i] or within[1] <= step
                 left = (1, window.horizon) if is_there else _from(within, step, window.horizon)
                 goal = replace(self.scenario.vehicles[i].goal, within=left)
@@ -196,6 +203,23 @@ class Itinerary:
         pairs = zip(self.visits, done.visits, strict=True)
         visits = (max(bisect_right(dues, end), made) for dues, made in pairs)
         return Progress(tuple(visits), done.arrived)
+
+    def _goals(self, end: int) -> Sequence[Goal]:
+        """Return where vehicles are to be at a step; at the mission's end that is its goals."""
+        vehicles = self.scenario.vehicles
+        if end >= self.scenario.horizon:
+            return [v.goal for v in vehicles]
+        goals: object = self.guide(end)
+        if (
+            not isinstance(goals, list | tuple)
+            or len(goals) != len(vehicles)
+            or any(not isinstance(goal, Goal) for goal in goals)
+        ):
+            allowed = f"a list or tuple of {count_text(len(vehicles), 'Goal')}"
+            raise ArgumentTypeError(
+                f"guide({end}) must return {allowed}, one for each vehicle, got {value_text(goals)}"
+            )
+        return goals
 
     def _visits(self, i: int, asked: slice, step: int, horizon: int) -> tuple[Visit, ...]:
         """Return visits with their windows from a step on."""

@@ -7,9 +7,9 @@ from dataclasses import replace
 from threading import RLock
 from typing import Any
 
-from radmpc.arguments import check_integer
+from radmpc.arguments import check_callable, check_integer
 from radmpc.arrays import Vector
-from radmpc.errors import ArgumentError, NoPlanError
+from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError
 from radmpc.flying.candidates.judging import Order, Planning, answered, planning_with
 from radmpc.flying.locking import one_at_a_time
 from radmpc.flying.measuring import check_contacts, measured
@@ -20,6 +20,7 @@ from radmpc.flying.tick import Contact, Entry, Tick
 from radmpc.flying.warm.goals import widened
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.wording import count_text
 
 __all__ = ["LongMission"]
 
@@ -46,11 +47,11 @@ class LongMission:
     overlap : int
         Steps left of a window from which on the next one is planned, at least 1.
     guide : callable or None
-        Where vehicles are to be at a step of the mission; None plans in coarse steps first, visits
-        included, and assigns goals to choose from. With a guide, a visit is due by the last step
-        of its window.
+        Takes a step of the mission before its end, and returns a list of goals where vehicles are
+        to be by then; None plans in coarse steps first, visits included, and assigns goals to
+        choose from. With a guide, a visit is due by the last step of its window.
     planner : str or callable
-        What plans windows, and within them, as in `Mission`.
+        What plans windows, and within them, as in `Mission`; not None.
     seed : int
         Of every plan.
     **options
@@ -58,10 +59,12 @@ class LongMission:
 
     Raises
     ------
+    ArgumentTypeError
+        If an argument is of another kind, or what the guide returns is.
     ArgumentError
         If the window is shorter than 2 steps, or the overlap is none of it.
     NoPlanError
-        If there is no guide, or no first window.
+        If there is no plan in coarse steps, or no first window.
     ScenarioError
         If a guide is given for goals to choose from, or for visits without windows.
     """
@@ -82,6 +85,10 @@ class LongMission:
         check_integer(overlap, "overlap", 1)
         if overlap >= window:
             raise ArgumentError(f"overlap must be below the window of {window}, got {overlap}")
+        check_callable(guide, "guide")
+        planning = planning_with(planner, seed)
+        if planning is None:
+            raise ArgumentTypeError("planner must be a name or a function, got None")
         self._window, self._overlap = window, overlap
         self._itinerary = (
             Itinerary.planned(scenario, window)
@@ -90,7 +97,7 @@ class LongMission:
         )
         self._scenario = self._itinerary.scenario
         self._asked = Progress.none(len(scenario.vehicles))
-        self._planning = planning_with(planner, seed)
+        self._planning = planning
         self._options = {"planner": planner, "seed": seed, **options}
         self._ticks: list[Tick] = []
         self._entries: list[Entry] = []
@@ -175,8 +182,17 @@ class LongMission:
         -------
         Tick
             Of the long mission's step.
+
+        Raises
+        ------
+        ArgumentError
+            If the mission is over or stranded, or the deadline is no time.
+        ScenarioError
+            If states do not fit the vehicles.
         """
         step = len(self._ticks)
+        if self.is_over:
+            raise ArgumentError(self._end())
         check_contacts(contacts)
         known = measured(self._scenario, states)
         self._contacts += contacts
@@ -187,6 +203,14 @@ class LongMission:
         self._take_entries()
         self._ticks.append(tick)
         return tick
+
+    def _end(self) -> str:
+        """Return in a few words that no step is left to fly."""
+        horizon = self._scenario.horizon
+        if self.is_stranded:
+            flown = len(self._ticks) - 1
+            return f"the mission is stranded after {flown} of {horizon} steps: no next window"
+        return f"the mission of {count_text(horizon, 'step')} is over"
 
     def _is_due(self, step: int) -> bool:
         """Whether the next window is to be planned."""
@@ -207,7 +231,7 @@ class LongMission:
         end = min(step + self._window, self._scenario.horizon)
         wealth = 0.0 if before is None else before.wealth
         grant = self._reserve.grant(wealth, end - step, self._scenario.horizon - step, _MOST)
-        if grant < _LEAST_GRANT or self._planning is None:
+        if grant < _LEAST_GRANT:
             return None
         ahead = self._itinerary.until(end)
         scene, known, scale = scene_of(ahead, step, grant, before)

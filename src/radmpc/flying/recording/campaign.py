@@ -77,7 +77,7 @@ def begin_flight(
     check_kind(settings, FlightSettings, "settings", "a FlightSettings")
     record = FlightRecord(plan, settings, (), (), {"radmpc": __version__})
     check_replan(plan.scenario, settings)
-    # Before the file is touched: who cannot fly leaves nothing behind.
+    # Before the file is touched: a plan that cannot be flown leaves nothing behind.
     _mission(record, 0, lambda row: None)
     ready = [_backend(record, 0)]
     try:
@@ -243,6 +243,7 @@ def _backend(record: FlightRecord, number: int) -> Backend:
     settings = record.settings
     rng = np.random.default_rng([settings.seed, number])
     kind = backend_named(settings.backend)
+    kind.check_options(settings.options)
     return kind.make(record.plan.scenario, rng, **settings.options)
 
 

@@ -192,7 +192,7 @@ def _adopt(
     rest = still_due(rest, state.leg, row.step)
     leg = leg_of(rest, row.leg.controls, row.step, scale)
     # Where it begins beside the measured state, the deviation is part of what it costs; and where
-    # obstacles' places are not known, what was met before was paid for by the leg before.
+    # obstacles' places are not known, what was met before was charged to the leg before.
     begins &= not leg.witnesses.parties.are_hidden.any()
     price = leg.price if begins else leg.value(row.step, leg.begun(known), learned).total
     _compare(state, where, {"price": (row.price, price)})

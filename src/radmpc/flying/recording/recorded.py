@@ -22,7 +22,7 @@ __all__ = ["RecordedMission"]
 
 
 class RecordedMission(Mission):
-    """A mission that tells every tick before its controls are flown.
+    """A mission that reports every tick before its controls are flown.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ class RecordedMission(Mission):
         return None if now.samples is None else ScaleRow(now.samples, float(now.factor))
 
     def _new_leg(self) -> NewLeg:
-        """Return what tells the leg in the air from any other."""
+        """Return what distinguishes the leg in the air from any other."""
         plan = self._leg.plan
         return NewLeg(
             plan.scenario.risk_bound,

@@ -15,7 +15,7 @@ from radmpc.referee import certify
 __all__ = ["flight_problems"]
 
 _MOST_PROBLEMS = 20
-"""Problems of a flight that are told."""
+"""Most problems of a flight that are reported."""
 
 
 def flight_problems(record: FlightRecord) -> tuple[str, ...]:

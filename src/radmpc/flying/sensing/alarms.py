@@ -71,8 +71,8 @@ class Watcher:
         scale : Scale
             What was known before of the factor of covariances.
         together : tuple of (p, p) and (p,) array, or None
-            What was told of all who tell of each other about what was expected, its covariance
-            first: what moves all of them counts once. None is of none.
+            Deviation from what was expected of all vehicles that are estimated together, its
+            covariance first: what moves all of them counts once. None is of none.
         """
         alarms = []
         larger, far = float(np.sqrt(scale.factor)), Tail(scale.samples).beyond(_FAR)

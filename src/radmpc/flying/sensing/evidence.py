@@ -76,10 +76,10 @@ class Evidence:
         states : sequence of (n,) array
             Measured states, or estimates.
         corrections : sequence of (n, n) array or None
-            By how much estimates were to move; None where states are told.
+            By how much estimates were to move; None where states are measured exactly.
         together : tuple of (p, p) and (p,) array, or None
-            What was told of all who tell of each other about what was expected, its covariance
-            first; None of none.
+            Deviation from what was expected of all vehicles that are estimated together, its
+            covariance first; None of none.
         """
         if self.scale.samples is None:
             return self

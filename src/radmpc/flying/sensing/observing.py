@@ -121,7 +121,7 @@ class Observer:
     def _moved(
         self, step: int, expected: Sequence[Vector], states: Sequence[Vector]
     ) -> list[Vector]:
-        """Return by how much what is told of each in the fleet differs from what was expected."""
+        """Return by how much what is measured of each in the fleet differs from the expected."""
         found = []
         for i in () if self.fleet is None else self.fleet.members:
             n, vehicle, learning = states[i].size, self.scenario.vehicles[i], self.learning[i]
@@ -134,7 +134,7 @@ class Observer:
         return found
 
     def corrections(self, step: int) -> tuple[Matrix | None, ...]:
-        """Return by how much estimates move at a step, (n, n) each; None where states are told.
+        """Return by how much estimates move at a step, (n, n) each; None where states are exact.
 
         Parameters
         ----------

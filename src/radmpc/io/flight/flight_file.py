@@ -175,8 +175,12 @@ class FlightWriter:
         except BaseException:
             file.close()
             raise
-        file.truncate(file.read().rfind(b"\n") + 1)
+        kept = file.read().rfind(b"\n") + 1
+        if kept:
+            file.truncate(kept)
         file.seek(0, os.SEEK_END)
+        if not kept:  # a header that is whole but for its line end
+            file.write(b"\n")
         found = _DIGEST.search(lines[-1])
         return cls(file, found[1] if found else "", name), record
 
