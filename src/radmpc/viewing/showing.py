@@ -36,7 +36,7 @@ def _mime_bundle(value: Any, include: Any = None, exclude: Any = None) -> Any:
 
     if not can_view():
         return None
-    from radmpc.viewing.view import view  # noqa: PLC0415 - likewise
+    from radmpc.viewing.view import view  # noqa: PLC0415 - notebooks alone need it
 
     made = view(value)._repr_mimebundle_(include=include, exclude=exclude)
     # Versions of the library return one or both.

@@ -153,7 +153,7 @@ class BoundSearch:
         for _ in range(TUNING.prices):
             self._search()
             _LOG.info(
-                "bound on any plan%s: %.6g, %d directions, price of 1 %% of Δ %.3g, %d nodes",
+                "bound on any plan%s: %.6g, %d directions, %.3g per 1 %% of risk bound, %d nodes",
                 *(" by faces" * self.is_by_faces, self.best, TUNING.directions),
                 *(0.01 * self.fleet.scenario.risk_bound * self.price, self.nodes),
             )
