@@ -104,7 +104,7 @@ class Account:
         Parameters
         ----------
         tail : float
-            Its conditional value by the rows it was bought with, not above the true one [-].
+            Its conditional value by the rows it was adopted with, not above the true one [-].
 
         Returns
         -------
@@ -156,8 +156,9 @@ class Account:
     def grant(self, share: float) -> float:
         """Return what a candidate may risk: a share of the wealth, at most Δ.
 
-        Who always buys for all of the wealth soon has none: a leg that is tight everywhere is worth
-        next to nothing after a step that went well, and nothing can be bought for that.
+        A mission that always uses all of its wealth soon has none: the conditional value of a leg
+        that is tight everywhere is almost 0 after a step that went well, and no other leg has a
+        certificate that low.
 
         Parameters
         ----------

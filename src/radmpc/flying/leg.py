@@ -1,4 +1,4 @@
-"""A leg: what is flown from some step on, and the rows it was bought with."""
+"""A leg: what is flown from some step on, and the rows it was adopted with."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ def still_due(left: Scenario, leg: Leg, step: int) -> Scenario:
     """Return the steps that are left, with the visits and arrivals that are.
 
     Visits are made by means: what the nominal of the leg in the air has visited by now is done,
-    wherever the vehicle was. Who has arrived may leave its goal as noise will have it, and is to
+    wherever the vehicle was. A vehicle that has arrived may leave its goal by noise, and is to
     come back.
 
     Parameters

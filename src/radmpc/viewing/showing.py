@@ -17,7 +17,7 @@ _SHOWN = (
 def show_in_notebooks() -> None:
     """Register the view with the IPython that runs, if one does.
 
-    Values are named, not imported: who loads the package waits for none of them.
+    Values are named, not imported: the package loads without them.
     """
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython else None

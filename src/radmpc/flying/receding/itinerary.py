@@ -176,7 +176,7 @@ class Itinerary:
             via = self._visits(i, asked, step, window.horizon)
             goal, within = vehicle.goal, self.scenario.vehicles[i].goal.within
             if within is not None and step + window.horizon >= self.arrivals[i]:
-                # Who was pushed out of its goal is to come back.
+                # A vehicle that was pushed out of its goal is to come back.
                 is_there = done.arrived[i] or within[1] <= step
                 left = (1, window.horizon) if is_there else _from(within, step, window.horizon)
                 goal = replace(self.scenario.vehicles[i].goal, within=left)

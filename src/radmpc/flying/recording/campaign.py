@@ -77,7 +77,7 @@ def begin_flight(
     check_kind(settings, FlightSettings, "settings", "a FlightSettings")
     record = FlightRecord(plan, settings, (), (), {"radmpc": __version__})
     check_replan(plan.scenario, settings)
-    # Before the file is touched: who cannot fly leaves nothing behind.
+    # Before the file is touched: a mission that cannot be flown leaves nothing behind.
     _mission(record, 0, lambda row: None)
     ready = [_backend(record, 0)]
     try:

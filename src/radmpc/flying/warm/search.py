@@ -203,7 +203,7 @@ class WarmSearch:
             aimed = price * float(np.clip(expected / (TUNING.aim * grant), *TUNING.price_steps))
             kept.price = price = float(np.clip(aimed, least, most))
             kept.is_out_of_reach = expected > grant and price > TUNING.out_of_reach * most
-            # Who gives way to risk that there is none of gives way too much.
+            # A vehicle that yields to a risk that does not exist yields too much.
             if wasted <= expected <= grant:
                 break
         return True
@@ -221,7 +221,7 @@ class WarmSearch:
 
 
 def _groups(hazards: Hazards, controls: Sequence[Matrix]) -> tuple[Group, ...]:
-    """Return who comes near each other or keeps a range, also through others: one program each."""
+    """Group vehicles near each other or keeping a range, also through others: a program each."""
     successive = SuccessiveLp(hazards, Limits())
     successive.begin(controls)
     near = Near(TUNING.near, 0.0, is_refined=False)

@@ -103,7 +103,7 @@ def prove_ahead(
 
 
 def _kept_together(fleet: Fleet) -> tuple[Members, ...]:
-    """Return everyone alone, but those who keep a range."""
+    """Return sets of one vehicle, but those that keep a range together."""
     merging, sets = SearchState.of(fleet).merging, fleet.singles
     while kept := merging.to_merge(sets):
         sets = merge_worst(sets, by_sets(kept, owners_of(sets)))

@@ -18,7 +18,7 @@ from radmpc.records import replace
 from radmpc.solvers.solution import relative_gap
 
 if TYPE_CHECKING:
-    # Who meets nobody needs no bound.
+    # Vehicles without conflicts need no bound.
     from radmpc.planners.certified.proof.search import BoundSearch
 
 __all__ = ["bound_faces", "bound_faces_of_each"]

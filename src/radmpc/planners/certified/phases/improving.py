@@ -135,7 +135,7 @@ def cheaper(
 
 def _turned(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:
     """Turn half-spaces to the plan of the search, and to others where risk was not its limit."""
-    # Who is alone costs no more than in empty space, and turns nothing.
+    # A vehicle without conflicts costs no more than in empty space: nothing is turned.
     from radmpc.planners.certified.turned.turned_plans import turn_half_spaces  # noqa: PLC0415 - vehicles without conflicts do without
 
     state = turn_half_spaces(fleet, state, judge)
@@ -179,6 +179,6 @@ def turned_to_others(fleet: Fleet, state: SearchState, proof: Proof, judge: Judg
 
         sets = state.incumbent.sets
         state = turn_from_noiseless(fleet, state, judge)
-        # Who had to be planned together is what the search found, not what this began with.
+        # Which vehicles had to be planned together is what the search found, not the sets here.
         state = replace(state, incumbent=replace(state.incumbent, sets=sets))
     return state
