@@ -95,6 +95,14 @@ def plan(
     References
     ----------
     Paper, Algorithm 1 (`multi-vehicle`), Algorithm 2 (`radmpc`).
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), rng=0).require()
+    >>> plan.risk.certified <= plan.scenario.risk_bound
+    True
     """
     begun = time.perf_counter()
     check_scenario(scenario)

@@ -138,7 +138,7 @@ class _Elsewhere:
 
     @property
     def is_late(self) -> bool:
-        """Whether no task is pending any more."""
+        """Whether the deadline is past by more than the grace: no task is waited for any more."""
         return time.time() > self._deadline + _GRACE
 
     def submit(self, tasks: Iterable[Any]) -> list[Future[Any] | None]:
