@@ -7,6 +7,8 @@ import os
 import signal
 from types import FrameType
 
+from radmpc.system.streams import settle_streams
+
 __all__ = ["main"]
 
 _INTERRUPTED = 1
@@ -21,6 +23,7 @@ takes a twentieth of the time of `plan` for two vehicles, and longer on a busy m
 
 def main() -> None:
     """Run the command line and exit the process with its code."""
+    settle_streams()
     gc.set_threshold(_COLLECTED_AFTER)
     # It would look for them in every package that is installed.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")

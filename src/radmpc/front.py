@@ -1,7 +1,7 @@
 """Packages whose names are loaded when they are first used.
 
-A front names where each of its names stands; whoever asks for one of them waits for its file, and
-nobody for the others. Type checkers read the imports under ``TYPE_CHECKING`` instead.
+A front names where each of its names stands; a file is loaded when
+one of its names is first used. Type checkers read the imports under ``TYPE_CHECKING`` instead.
 """
 
 from __future__ import annotations

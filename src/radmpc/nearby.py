@@ -30,7 +30,7 @@ def near_pairs(points: Matrix, distance: float) -> Indices:
     """
     if len(points) <= _FEW:
         return _near_of_all(points[:, None], np.array([distance]))
-    from scipy.spatial import cKDTree  # noqa: PLC0415 - see the first line
+    from scipy.spatial import cKDTree  # noqa: PLC0415 - loads slowly; short lists do without
 
     found = cKDTree(points).query_pairs(distance, output_type="ndarray").astype(np.int64)
     return np.asarray(found[np.lexsort((found[:, 1], found[:, 0]))])

@@ -28,7 +28,7 @@ from radmpc.planners.outcome.first import NotingFirst
 from radmpc.planners.outcome.improving import Improving
 from radmpc.planners.outcome.record import Certifying, plan_of
 from radmpc.planners.outcome.trajectories import trajectories_of
-from radmpc.planners.planner import Improved, nobody
+from radmpc.planners.planner import Improved, no_listener
 from radmpc.planners.presets import DEFAULT, PRESETS, called, parse_planner
 from radmpc.planners.verdict import RoughJudge, Verdict
 from radmpc.planners.wording import limit_clause
@@ -95,6 +95,14 @@ def plan(
     References
     ----------
     Paper, Algorithm 1 (`multi-vehicle`), Algorithm 2 (`radmpc`).
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), rng=0).require()
+    >>> plan.risk.certified <= plan.scenario.risk_bound
+    True
     """
     begun = time.perf_counter()
     check_scenario(scenario)
@@ -110,16 +118,16 @@ def plan(
     def asked_of(one: Scenario) -> tuple[Certifying, Improved]:
         asked = Certifying(one, record)
         if cheaper is None:
-            return asked, nobody
+            return asked, no_listener
         return asked, Improving(one, record, seed, cheaper, begun, asked)
 
     referee, hand_on = asked_of(scenario)
-    noting = NotingFirst(found or nobody, begun)
+    noting = NotingFirst(found or no_listener, begun)
     run = Run(
         rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed),
         limits,
         executor,
-        progress or nobody,
+        progress or no_listener,
         referee.judge,
         noting,
         hand_on,
@@ -171,7 +179,7 @@ def unjudged_plan(
 
     is_quick = isinstance(referee.judge, RoughJudge)
     timely = RoughJudge(judge, referee.rough) if is_quick else judge
-    run = Run(rng, limits, None, nobody, timely, nobody)
+    run = Run(rng, limits, None, no_listener, timely, no_listener)
     draft = planner.decomposition.plan(scenario, planner, run)
     trajectories = trajectories_of(scenario, draft.controls)
     return plan_of(scenario, planner, seed, draft, trajectories, None, {})

@@ -2,8 +2,8 @@
 
 The standard library writes up to six functions of a class as text and compiles them, which takes
 half a millisecond; a command loads more than two hundred and makes values of half of them. Here
-the standard library finds the fields and makes the slots, ``__init__`` is compiled when somebody
-asks for it, and the others are functions that know the names of their fields.
+the standard library finds the fields and makes the slots, ``__init__`` is compiled at its
+first use, and the others are functions that know the names of their fields.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class Kept:
 
 
 class FrozenDict(dict[str, Any]):
-    """A mapping of a frozen value: a copy of the caller's, in depth, that nobody changes.
+    """A mapping of a frozen value: a deep, read-only copy of the caller's.
 
     A dict, so that JSON, pickles and copies take it as they take any.
     """
@@ -123,7 +123,7 @@ def _copied(value: Any) -> Any:
 
 
 class _LateInit:
-    """A class's ``__init__`` until somebody asks for it."""
+    """A class's ``__init__`` until its first use."""
 
     __slots__ = ("_owner",)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import radmpc
+from radmpc.experiments.sweep_table import SweepTable
 from radmpc.experiments.sweeping import sweep_scenarios
 
 from .conftest import Run, assert_one_line
@@ -69,6 +70,26 @@ def test_a_table_of_something_else_is_left_alone(run: Run, crossing: Path) -> No
     assert result.exit_code == 2
     assert "is of another scenario" in assert_one_line(result.stderr)
     assert Path("rows.csv").read_bytes() == before
+
+
+def test_a_table_that_another_sweep_writes_is_left_to_it(run: Run, crossing: Path) -> None:
+    fcntl = pytest.importorskip("fcntl")
+    with open("rows.csv", "wb") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        result = run("sweep", crossing, "--over", OVER, "-o", "rows.csv")
+    assert result.exit_code == 2
+    line = assert_one_line(result.stderr)
+    assert line == "radmpc: rows.csv: is being written by another sweep"
+    assert not Path("rows.csv").read_bytes()
+
+
+def test_only_a_table_that_was_there_is_left_without_a_row(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    SweepTable(path, ["risk_bound"], ["certified"]).close()
+    assert not path.exists()
+    path.touch()
+    SweepTable(path, ["risk_bound"], ["certified"]).close()
+    assert path.exists()
 
 
 def test_where_there_is_no_plan_the_row_says_why(run: Run, crossing: Path) -> None:

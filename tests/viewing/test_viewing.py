@@ -55,7 +55,7 @@ def test_without_the_extra_the_view_says_what_to_install(bundle, monkeypatch):
 def test_a_checkout_without_the_page_says_how_to_build_it(tmp_path, monkeypatch):
     pytest.importorskip("anywidget")
     monkeypatch.setattr(bundles, "BUNDLE", tmp_path / "none")
-    with pytest.raises(ArgumentError, match="which this checkout has not built: make page"):
+    with pytest.raises(ArgumentError, match="which this installation lacks: make page"):
         radmpc.view(paper(2, 1))
 
 

@@ -25,10 +25,13 @@ def check_output(path: Path | None) -> None:
     Raises
     ------
     OutputError
-        If the path is a folder, or its folder is missing or not writable.
+        If the path is a folder, its folder is missing or not writable, or it is ``-``, which
+        other programs take for stdout and no user for a name.
     """
     if path is None:
         return
+    if path == Path("-"):
+        raise OutputError("cannot write -: is no file name here; /dev/stdout stands for stdout")
     with writing(path):
         if path.is_dir():
             raise _failure(errno.EISDIR, path)

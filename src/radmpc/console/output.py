@@ -12,6 +12,7 @@ from shutil import get_terminal_size
 from typing import TYPE_CHECKING, TypeGuard
 
 from radmpc.console.files import OutputError, writing
+from radmpc.system.streams import has_every_letter
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -59,8 +60,9 @@ def width() -> int:
 
 
 def show_json(content: Mapping[str, object]) -> None:
-    """Print one JSON object to stdout."""
-    _write(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
+    """Print one JSON object to stdout: in UTF-8, or in ASCII where stdout has another encoding."""
+    is_ascii = not has_every_letter(sys.stdout.encoding)
+    _write(json.dumps(content, indent=2, ensure_ascii=is_ascii, allow_nan=False))
 
 
 def note(text: str) -> None:

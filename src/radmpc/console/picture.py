@@ -61,7 +61,7 @@ def check_film(path: Path | None) -> None:
     """
     if path is None:
         return
-    from radmpc.plotting import check_film_path  # noqa: PLC0415 - see the file's first line
+    from radmpc.plotting import check_film_path  # noqa: PLC0415 - matplotlib loads slowly
 
     check_film_path(path)
     check_output(path)
@@ -79,7 +79,7 @@ def check_picture(path: Path | None) -> None:
     """
     if path is None:
         return
-    from radmpc.plotting import check_figure_path  # noqa: PLC0415 - see the file's first line
+    from radmpc.plotting import check_figure_path  # noqa: PLC0415 - matplotlib loads slowly
 
     check_figure_path(path)
     check_output(path)
@@ -95,7 +95,7 @@ def write_ledger(plan: Plan, path: Path) -> None:
     path : Path
         The file; its ending chooses the format.
     """
-    from radmpc.plotting import save_ledger  # noqa: PLC0415 - see the file's first line
+    from radmpc.plotting import save_ledger  # noqa: PLC0415 - matplotlib loads slowly
 
     with drawing(path):
         save_ledger(plan, path)
@@ -111,7 +111,7 @@ def write_picture(plan: Plan, path: Path) -> None:
     path : Path
         The file; its ending chooses the format.
     """
-    from radmpc.plotting import save_figure  # noqa: PLC0415 - see the file's first line
+    from radmpc.plotting import save_figure  # noqa: PLC0415 - matplotlib loads slowly
 
     with drawing(path):
         save_figure(plan, path)
@@ -127,7 +127,7 @@ def write_film(plan: Plan, path: Path) -> None:
     path : Path
         The file; its ending chooses the format.
     """
-    from radmpc.plotting import save_animation  # noqa: PLC0415 - see the file's first line
+    from radmpc.plotting import save_animation  # noqa: PLC0415 - matplotlib loads slowly
 
     with drawing(path):
         save_animation(plan, path)

@@ -9,12 +9,14 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import BinaryIO
 
 from radmpc.errors import FileFormatError
 from radmpc.experiments.sweeping import SweepPoint, Values
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass, fields
+from radmpc.system.locking import try_lock
 
 __all__ = ["SweepRow", "SweepTable", "scenario_digest", "sweep_row"]
 
@@ -102,7 +104,7 @@ class SweepTable:
     Parameters
     ----------
     path : Path
-        The file; one that does not exist is made with the first row.
+        The file; one that does not exist is made.
     axes : sequence of str
         Keys, the first columns.
     question : sequence of str
@@ -111,36 +113,47 @@ class SweepTable:
     Raises
     ------
     FileFormatError
-        If it is no table of this sweep.
+        If it is no table of this sweep, or another process writes it.
     """
 
     def __init__(self, path: Path, axes: Sequence[str], question: Sequence[str]) -> None:
         self.path = path
+        self._is_new = not path.exists()
+        self._file = _locked(path)
         self._header = [*axes, *_COLUMNS, "asked"]
         self._asked = " ".join(question)
         self._num_axes = len(axes)
-        self.rows = self._read()
+        try:
+            self.rows = self._read()
+        except BaseException:
+            self.close()
+            raise
 
     def append(self, row: SweepRow) -> None:
         """Write a row; when this returns it is on the disk."""
         cells = [*row.values, *(_cell(getattr(row, name)) for name in _COLUMNS), self._asked]
-        is_new = not self.path.exists() or not self.path.stat().st_size
-        with open(self.path, "ab") as file:
-            file.write((_line(self._header) if is_new else b"") + _line(cells))
-            file.flush()
-            os.fsync(file.fileno())
+        is_new = not os.fstat(self._file.fileno()).st_size
+        self._file.write((_line(self._header) if is_new else b"") + _line(cells))
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """Let others write; a new table without any row is not left behind."""
+        is_empty = not os.fstat(self._file.fileno()).st_size
+        self._file.close()
+        if is_empty and self._is_new:
+            self.path.unlink(missing_ok=True)
 
     def _read(self) -> tuple[SweepRow, ...]:
         """Return what is there; a line that a kill cut off is removed."""
-        if not self.path.exists():
-            return ()
-        content = self.path.read_bytes()
+        self._file.seek(0)
+        content = self._file.read()
         whole = content[: content.rfind(b"\n") + 1]
         lines = list(csv.reader(io.StringIO(whole.decode("utf-8", "replace"))))
         if lines and lines[0] != self._header:
             raise FileFormatError(f"{self.path}:1: is no table of a sweep over these keys")
         if len(whole) < len(content) and lines:
-            os.truncate(self.path, len(whole))
+            self._file.truncate(len(whole))
         return tuple(self._row(number, cells) for number, cells in enumerate(lines[1:], start=2))
 
     def _row(self, number: int, cells: list[str]) -> SweepRow:
@@ -165,6 +178,15 @@ class SweepTable:
             tuple(values), entry["status"], cost, bound, certified, entry["within"] == "yes",
             seconds, entry["problem"], entry["scenario"],
         )  # fmt: skip
+
+
+def _locked(path: Path) -> BinaryIO:
+    """Return a table's file that no other process writes, open to be read and appended to."""
+    file = open(path, "a+b")  # noqa: SIM115 - stays open, and locked, until the table is closed
+    if not try_lock(file):
+        file.close()
+        raise FileFormatError(f"{path}: is being written by another sweep")
+    return file
 
 
 def _line(cells: Sequence[str]) -> bytes:

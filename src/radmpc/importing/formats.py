@@ -206,7 +206,7 @@ def _read(path: str | os.PathLike[str]) -> Document:
     try:
         return _READERS.get(suffix, read_document)(path)
     except FileFormatError as error:
-        # Of a file that is not called YAML nobody asks where it is none.
+        # Where a file that is not called YAML is none, its errors are not reported.
         if NOT_YAML in str(error) and suffix not in {".yaml", ".yml"}:
             raise _unknown(os.fspath(path)) from error
         raise

@@ -27,7 +27,7 @@ _TURN = 4
 
 @dataclass(frozen=True, slots=True)
 class _Arrival:
-    """Who comes to a passage, when, and in which direction."""
+    """A vehicle that comes to a passage, when, and in which direction."""
 
     seconds: float
     vehicle: int
@@ -39,9 +39,9 @@ def queue_times(
 ) -> list[float]:
     """Return how long each vehicle waits behind others at passages for one at a time.
 
-    Whoever comes first goes first, at full speed until there. The next one follows at a distance of
-    one sum of radii, or goes two later where it comes from the other side. That one vehicle gives
-    way is not counted: a horizon has time for it anyway.
+    The vehicle that comes first goes first, at full speed until there. The next one follows at a
+    distance of one sum of radii, or goes two later where it comes from the other side. That one
+    vehicle gives way is not counted: a horizon has time for it anyway.
 
     Parameters
     ----------

@@ -40,6 +40,11 @@ def white_density(std: float, time_constant: float) -> float:
     ------
     ScenarioError
         If a number is negative or not finite.
+
+    Examples
+    --------
+    >>> white_density(0.5, 10.0)
+    5.0
     """
     spread = _not_negative(std, "std", "")
     seconds = _not_negative(time_constant, "time_constant", " s")
@@ -118,6 +123,11 @@ def double_integrator_noise(
     ------
     ScenarioError
         If a number is negative or not finite, or there are neither 2 nor 3 axes.
+
+    Examples
+    --------
+    >>> double_integrator_noise(2.0, 2, acceleration=0.03)[[0, 0, 2], [0, 2, 2]]
+    array([0.08, 0.06, 0.06])
     """
     step = _above_zero(dt)
     if field_integer(dimension, ("dimension",)) not in (2, 3):

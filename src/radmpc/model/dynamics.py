@@ -145,6 +145,14 @@ def double_integrator(dt: float, dimension: int) -> LinearSystem:
     ------
     ScenarioError
         If the step is not from 1e-6 to 1e6 s, or there are neither 2 nor 3 axes.
+
+    Examples
+    --------
+    >>> double_integrator(2.0, 2).B
+    array([[2., 0.],
+           [0., 2.],
+           [2., 0.],
+           [0., 2.]])
     """
     dt = check_range(dt, "s", ("dt",))
     if field_integer(dimension, ("dimension",)) not in (2, 3):

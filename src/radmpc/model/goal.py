@@ -31,6 +31,11 @@ class Goal(Frozen):
     within : tuple of (int, int) or None
         First and last step at which it may arrive, to stay within box and speed at all steps from
         then on; None is at the horizon.
+
+    Examples
+    --------
+    >>> Goal([8.8, 4.8], [9.2, 5.2], speed=[0.05, 0.05])
+    Goal(lower=array([8.8, 4.8]), upper=array([9.2, 5.2]), speed=array([0.05, 0.05]), within=None)
     """
 
     lower: Vector

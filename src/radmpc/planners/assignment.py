@@ -1,4 +1,4 @@
-"""Who goes to which of the goals that vehicles share.
+"""Assignment of vehicles to the goals that they share.
 
 What each vehicle needs to each goal in empty space is a lower bound: the assignment of the least
 sum is planned first. Others follow while their sum is below the best plan: of a small fleet all, in

@@ -25,7 +25,7 @@ from radmpc.solvers.solution import Limits
 __all__ = ["propose_alternatives"]
 
 _MAX_ROUNDS = 5
-"""Orders of the vehicles that are tried, at most [-]: whoever found no path goes first."""
+"""Orders of the vehicles that are tried, at most [-]: a vehicle without a path goes first."""
 
 
 def propose_alternatives(

@@ -138,11 +138,11 @@ class _Elsewhere:
 
     @property
     def is_late(self) -> bool:
-        """Whether nobody is waited for any more."""
+        """Whether the deadline is past by more than the grace: no task is waited for any more."""
         return time.time() > self._deadline + _GRACE
 
     def submit(self, tasks: Iterable[Any]) -> list[Future[Any] | None]:
-        """Hand tasks out; None for those that nobody takes."""
+        """Hand tasks out; None for those that no worker takes."""
         futures: list[Future[Any] | None] = []
         for task in tasks:
             work = partial(_until, self._work, task, self._deadline, str(self._flag))

@@ -83,7 +83,7 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
 
 
 def _no_way(scenario: Scenario, planner: Planner, limits: Limits) -> tuple[str, tuple[int, ...]]:
-    """Say who finds no way, alone, in pairs or together; and who that is, if it is known."""
+    """Say which vehicles have no route: alone, in pairs or together."""
     everyone = tuple(range(scenario.num_vehicles))
     reason = trivially_infeasible(scenario, deterministic=planner.policy.family == "deterministic")
     if reason:

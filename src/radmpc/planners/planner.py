@@ -20,7 +20,7 @@ from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits, Solver
 from radmpc.wording import number_text
 
-__all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "nobody"]
+__all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "no_listener"]
 
 _GAP = 1e-3
 """Relative gap at which each solve stops where none is asked for [-]."""
@@ -35,8 +35,8 @@ Improved = Callable[[tuple[Matrix, ...]], None]
 """Called with every vehicle's controls in a plan that is certified and the best so far."""
 
 
-def nobody(*_: object) -> None:
-    """Take progress, what a plan costs, or a plan, without telling anybody."""
+def no_listener(*_: object) -> None:
+    """Ignore progress, costs and plans: the default of callbacks."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,7 +67,7 @@ class Run:
     progress: Progress
     judge: Judge
     found: TellBest
-    improved: Improved = nobody
+    improved: Improved = no_listener
 
     def in_silence(self) -> Run:
         """Return the same run, which does not hand on its plans.
@@ -77,7 +77,7 @@ class Run:
         Run
             With the same limits, randomness and referee.
         """
-        return replace(self, found=nobody, improved=nobody)
+        return replace(self, found=no_listener, improved=no_listener)
 
 
 class Decomposition(ABC):

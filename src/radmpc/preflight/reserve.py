@@ -115,7 +115,7 @@ def tails(clearances: Vector, samples: int | None = None) -> Vector:
         of a check.
     """
     if samples is not None:
-        from radmpc.gaussian import Tail  # noqa: PLC0415 - few need it, see above
+        from radmpc.gaussian import Tail  # noqa: PLC0415 - loads scipy; few need it
 
         return Tail(samples).probability(clearances)
     return np.array([0.5 * erfc(q / sqrt(2.0)) for q in clearances.tolist()])

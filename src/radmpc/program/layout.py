@@ -1,4 +1,4 @@
-"""Where things lie in a program and what they stand for, noted by whoever builds it."""
+"""Where things lie in a program and what they stand for, noted while it is built."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class RiskItem(NamedTuple):
     cause : {'obstacle', 'pair', 'workspace', 'range', 'visit'}
         What may happen; a visit does without risk.
     vehicle : str
-        To whom.
+        The vehicle that is at risk.
     other : str or None
         The obstacle or the other vehicle; which visit.
     step : int
@@ -46,7 +46,7 @@ class RiskItem(NamedTuple):
 
 
 Label = tuple[Cause | Literal["visit"], str, tuple[str | None, ...]]
-"""What may happen, to whom, and with what: one of these per thing to avoid of a block."""
+"""Cause, vehicle and obstacles or partners: one of these per thing to avoid of a block."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -98,7 +98,7 @@ def _candidates(centers: Matrix, reaches: Vector) -> tuple[Indices, Indices]:
     if count <= _FEW:
         low, high = np.triu_indices(count, 1)
         return low, high
-    from scipy.spatial import cKDTree  # noqa: PLC0415 - see `_FEW`
+    from scipy.spatial import cKDTree  # noqa: PLC0415 - loads slowly; few vehicles do without
 
     largest = float(reaches.max())
     if largest <= _ALIKE * float(np.median(reaches)):

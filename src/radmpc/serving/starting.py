@@ -48,8 +48,7 @@ def check_extra() -> None:
 
     missing = [name for name in _NEEDED if find_spec(name) is None]
     if missing:
-        what = " and ".join(missing)
-        raise ServingError(f"radmpc serve needs {what}: pip install 'radmpc[serve]'")
+        raise ServingError(f"radmpc serve needs {', '.join(missing)}: pip install 'radmpc[serve]'")
 
 
 def listening(port: int) -> socket.socket:
@@ -88,14 +87,13 @@ def serve(serving: Serving, port: socket.socket, said: Callable[[str], None]) ->
 
 async def _served(serving: Serving, port: socket.socket, said: Callable[[str], None]) -> None:
     """Serve until a signal."""
-    # Packages of the extra, and what takes a while to load: not before the port is taken.
-    from radmpc.serving.desk.desk import Desk  # noqa: PLC0415 - see above
-    from radmpc.serving.desk.start import open_first  # noqa: PLC0415 - see above
-    from radmpc.serving.folder import Folder  # noqa: PLC0415 - see above
-    from radmpc.serving.web.app import application  # noqa: PLC0415 - see above
-    from radmpc.serving.web.guard import Guard  # noqa: PLC0415 - see above
-    from radmpc.serving.web.listener import Listener  # noqa: PLC0415 - see above
-    from radmpc.serving.web.socket import Pages  # noqa: PLC0415 - see above
+    from radmpc.serving.desk.desk import Desk  # noqa: PLC0415 - slow to load; the port is taken first
+    from radmpc.serving.desk.start import open_first  # noqa: PLC0415 - slow to load; the port is taken first
+    from radmpc.serving.folder import Folder  # noqa: PLC0415 - slow to load; the port is taken first
+    from radmpc.serving.web.app import application  # noqa: PLC0415 - its packages are an extra
+    from radmpc.serving.web.guard import Guard  # noqa: PLC0415 - its packages are an extra
+    from radmpc.serving.web.listener import Listener  # noqa: PLC0415 - its packages are an extra
+    from radmpc.serving.web.socket import Pages  # noqa: PLC0415 - its packages are an extra
 
     guard, pages = Guard(port.getsockname()[1]), Pages()
     desk = Desk(Folder(serving.folder), pages.tell)

@@ -193,7 +193,7 @@ class IrSim:
         world = {
             "step_time": self._tick,
             "sample_time": self._tick,
-            # Who touches would stand still for the rest of the flight.
+            # A vehicle in contact would stand still for the rest of the flight.
             "collision_mode": "unobstructed",
         }
         irsim = loaded("irsim", "irsim")

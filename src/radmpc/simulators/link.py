@@ -154,7 +154,7 @@ class Link:
             self._answers[message.command] = message.result
 
     def beat(self) -> None:
-        """Say once a second that somebody is here."""
+        """Send a heartbeat once a second."""
         now = self._clock()
         if now - self._last_beat >= 1.0 and self._peer is not None:
             self._last_beat = now

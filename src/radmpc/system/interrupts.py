@@ -1,4 +1,4 @@
-"""Processes that a terminal's Ctrl-C does not reach: who started them decides."""
+"""Processes that a terminal's Ctrl-C does not reach: the process that started them decides."""
 
 from __future__ import annotations
 

@@ -37,5 +37,5 @@ def _lack() -> str | None:
     if find_spec("anywidget") is None:
         return "view needs anywidget: pip install 'radmpc[notebook]'"
     if not (BUNDLE / "widget.js").is_file():
-        return "view needs the page, which this checkout has not built: make page"
+        return "view needs the page, which this installation lacks: make page in a checkout"
     return None

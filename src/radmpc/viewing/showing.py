@@ -17,7 +17,7 @@ _SHOWN = (
 def show_in_notebooks() -> None:
     """Register the view with the IPython that runs, if one does.
 
-    Values are named, not imported: who loads the package waits for none of them.
+    Values are named, not imported: the package loads without them.
     """
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython else None
@@ -36,7 +36,7 @@ def _mime_bundle(value: Any, include: Any = None, exclude: Any = None) -> Any:
 
     if not can_view():
         return None
-    from radmpc.viewing.view import view  # noqa: PLC0415 - likewise
+    from radmpc.viewing.view import view  # noqa: PLC0415 - notebooks alone need it
 
     made = view(value)._repr_mimebundle_(include=include, exclude=exclude)
     # Versions of the library return one or both.

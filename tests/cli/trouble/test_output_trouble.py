@@ -174,6 +174,27 @@ def test_a_full_device_is_one_line(ready: Run, name: str) -> None:
 @pytest.mark.parametrize(
     "words",
     [
+        ("plan", "a.yaml", "-o", "-"),
+        ("export", "a.json", "--to", "csv", "-o", "-"),
+        ("import", FOREIGN, "-o", "-"),
+        ("fly", "a.json", "-o", "-"),
+        ("sweep", "a.yaml", "--over", "risk_bound=0.1", "-o", "-"),
+        ("calibrate", "a.json", "--with", "boat", "-o", "-"),
+        ("identify", "log.csv", "-o", "-"),
+    ],
+    ids=lambda words: str(words[0]),
+)
+def test_a_dash_is_no_file_name(ready: Run, words: tuple[object, ...]) -> None:
+    result = ready(*words)
+    assert result.exit_code == 2, result.output
+    line = assert_one_line(result.stderr)
+    assert line == "radmpc: cannot write -: is no file name here; /dev/stdout stands for stdout"
+    assert not Path("-").exists()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
         ("plan", "mine.yaml", "-o", "mine.yaml"),
         ("plan", "mine.yaml", "--figure", "same.png", "--ledger", "same.png"),
         ("import", "mine.yaml", "-o", "./mine.yaml"),

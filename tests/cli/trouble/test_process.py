@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import json
+import os
 import signal
 import subprocess
 import sys
@@ -74,6 +76,42 @@ def test_a_full_stdout_is_one_line(crossing: Path) -> None:
     assert result.returncode == 2
     expected = "radmpc: cannot write stdout: No space left on device"
     assert assert_one_line(result.stderr) == expected
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+@pytest.mark.skipif(sys.platform == "win32", reason="no such shell here")
+def test_a_closed_stream_changes_no_exit_code(closed: str, crossing: Path) -> None:
+    for words, code in ((f"check {crossing}", 0), ("nothing", 2)):
+        command = f"{sys.executable} -m radmpc {words} {closed}"
+        result = subprocess.run(
+            ["sh", "-c", command], capture_output=True, text=True, timeout=60, check=False
+        )
+        assert result.returncode == code, result.stderr
+        assert "Traceback" not in result.stderr
+        # A line for a closed stderr does not go to stdout instead.
+        assert "radmpc:" not in result.stdout
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
+def test_letters_that_stdout_lacks_are_escaped(encoding: str, crossing: Path) -> None:
+    text = crossing.read_text(encoding="utf-8").replace("east", "öst→")
+    crossing.write_text(text, encoding="utf-8")
+    results = [
+        subprocess.run(
+            [sys.executable, "-m", "radmpc", "check", str(crossing), *words],
+            capture_output=True,
+            timeout=60,
+            check=False,
+            env=os.environ | {"PYTHONIOENCODING": encoding},
+        )
+        for words in ([], ["--json"])
+    ]
+    assert [result.returncode for result in results] == [0, 0], results
+    report, content = (result.stdout.decode(encoding) for result in results)
+    assert "st\\u2192" in report
+    # JSON is in UTF-8 or, as here, in that part of it that every encoding shares.
+    assert content.isascii()
+    assert json.loads(content)["vehicles"][0]["name"] == "öst→"
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.cures.variants import with_noise
 from radmpc.planners.outcome.record import Certifying
-from radmpc.planners.planner import Run, nobody
+from radmpc.planners.planner import Run, no_listener
 from radmpc.planning import plan
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits
@@ -274,7 +274,7 @@ def test_drafts_tell_whether_their_proof_holds_of_any_plan(limits):
 
     def drafted(one):
         judge = Certifying(one, planner).judge
-        run = Run(np.random.default_rng(0), Limits(), None, nobody, judge, nobody)
+        run = Run(np.random.default_rng(0), Limits(), None, no_listener, judge, no_listener)
         return planner.decomposition.plan(one, planner, run)
 
     late = drafted(scenario(replace(vehicle("a", (0, 0), (1000, 0)), **limits)))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from radmpc.arguments import is_number
@@ -96,8 +97,31 @@ def run_sweep(request: SweepRequest) -> int:
     check_picture(request.figure)
     check_separate(request.source, request.output, request.figure)
     scenarios = sweep_scenarios(request.source, request.over)
-    table = _table(request)
-    rows = {} if table is None else _known(table, scenarios)
+    with _table(request) as table:
+        rows = {} if table is None else _known(table, scenarios)
+        was_interrupted = _plan_missing(request, planner, scenarios, rows, table)
+    found = [rows[values] for values in scenarios if values in rows]
+    _report(request, found)
+    if was_interrupted:
+        goes_on = "" if table is None else "; the same command goes on"
+        note(f"interrupted after {len(found)} of {len(scenarios)} scenarios{goes_on}")
+        return Code.NO
+    lacking = sum(not row.within for row in found)
+    if not lacking:
+        return Code.OK
+    whose = f"{lacking} of {count_text(len(found), 'scenario')}"
+    note(f"no plan that is certified within the risk bound for {whose}")
+    return Code.NO
+
+
+def _plan_missing(
+    request: SweepRequest,
+    planner: Planner,
+    scenarios: Mapping[Values, Scenario],
+    rows: dict[Values, SweepRow],
+    table: SweepTable | None,
+) -> bool:
+    """Plan what has no row yet, and add its rows; return whether Ctrl-C ended it."""
     with (
         stop_on_interrupt() as is_stopped,
         workers(request.jobs, None) as executor,
@@ -117,31 +141,24 @@ def run_sweep(request: SweepRequest) -> int:
             if table is not None and request.output is not None:
                 with writing(request.output):
                     table.append(rows[point.values])
-        was_interrupted = is_stopped()
-    found = [rows[values] for values in scenarios if values in rows]
-    _report(request, found)
-    if was_interrupted:
-        goes_on = "" if table is None else "; the same command goes on"
-        note(f"interrupted after {len(found)} of {len(scenarios)} scenarios{goes_on}")
-        return Code.NO
-    lacking = sum(not row.within for row in found)
-    if not lacking:
-        return Code.OK
-    whose = f"{lacking} of {count_text(len(found), 'scenario')}"
-    note(f"no plan that is certified within the risk bound for {whose}")
-    return Code.NO
+        return is_stopped()
 
 
-def _table(request: SweepRequest) -> SweepTable | None:
-    """Return the table that rows are kept in."""
+@contextmanager
+def _table(request: SweepRequest) -> Iterator[SweepTable | None]:
+    """Open the table that rows are kept in, for this process alone."""
     if request.output is None:
-        return None
+        yield None
+        return
     question = [request.planner.strip(), f"seed={request.seed}"]
     if request.time_limit is not None:
         question.append(f"time_limit={request.time_limit:g}")
     if request.gap is not None:
         question.append(f"gap={request.gap:g}")
-    return SweepTable(request.output, tuple(request.over), question)
+    with writing(request.output):
+        table = SweepTable(request.output, tuple(request.over), question)
+    with closing(table):
+        yield table
 
 
 def _known(table: SweepTable, scenarios: Mapping[Values, Scenario]) -> dict[Values, SweepRow]:

@@ -44,7 +44,7 @@ def cluster(address: str) -> Iterator[Executor]:
     except ImportError as error:
         raise ScenarioError(
             "--dask needs the package distributed: pip install 'radmpc[dask]'"
-        ) from (error)
+        ) from error
     _check_answers(address)
     # What goes wrong with a task comes with its result; of one that is given up while the client is
     # asking for it, Tornado would print how that was taken.

@@ -14,15 +14,11 @@ from pydantic import TypeAdapter, ValidationError
 
 from radmpc.errors import FileFormatError
 from radmpc.experiments.study.trial import Row
+from radmpc.system.locking import try_lock
 
 __all__ = ["Journal", "read_rows"]
 
 _ROW = TypeAdapter(Row)
-
-try:
-    import fcntl
-except ImportError:  # pragma: no cover - Windows has no advisory locks of this kind
-    fcntl = None  # type: ignore[assignment] # a module or None
 
 
 def read_rows(path: Path) -> tuple[Row, ...]:
@@ -79,11 +75,8 @@ class Journal:
             If another process has it open.
         """
         with open(path, "a+b") as file:
-            if fcntl is not None:
-                try:
-                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                except OSError as error:
-                    raise FileFormatError(f"{path}: another run is writing to it") from error
+            if not try_lock(file):
+                raise FileFormatError(f"{path}: another run is writing to it")
             file.seek(0)
             content = file.read()
             file.truncate(content.rfind(b"\n") + 1)

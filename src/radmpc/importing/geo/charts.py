@@ -174,7 +174,7 @@ def _together(
 def _own(features: Sequence[Feature], file: str, clashes: Collection[str]) -> list[Feature]:
     """Return the features of a file under names of vehicles that no other file has.
 
-    Who names a vehicle means that of the same file, if one starts there.
+    The name of a vehicle means that of the same file, if one starts there.
     """
     own = {feature.vehicle for feature in features if feature.role == "start"}
     names = {name: f"{file}/{name}" for name in own if name in clashes}

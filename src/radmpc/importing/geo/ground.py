@@ -1,4 +1,4 @@
-"""What stands on a map, in a local east-north plane, whoever moves there."""
+"""What stands on a map, in a local east-north plane, whatever vehicles move there."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _DIGITS = 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ground:
-    """What stands on a map, whoever moves there.
+    """What stands on a map, whatever vehicles move there.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Ground:
     origin : Origin
         Where the plane touches the earth.
     has_vehicles : bool
-        Whether somebody starts or ends there.
+        Whether any vehicle starts or ends there.
     """
 
     obstacles: tuple[Obstacle, ...]

@@ -23,7 +23,7 @@ _OF_ROLES = {"for": ("obstacle",), "except": ("obstacle",), "keep": ("start", "g
 
 
 def check_places(features: Sequence[Feature]) -> None:
-    """Refuse relations of what has none: nobody would keep to them.
+    """Refuse relations of what has none: they would have no effect.
 
     Parameters
     ----------

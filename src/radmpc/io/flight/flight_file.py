@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import json
 import os
@@ -18,6 +17,7 @@ from radmpc.io.flight.record import FlightRecord, FlightSettings, TickRow
 from radmpc.io.text.files import one_line, read_text
 from radmpc.io.text.json_text import read_json
 from radmpc.model.plan import Plan
+from radmpc.system.locking import try_lock
 
 __all__ = ["FlightWriter", "is_flight", "load_flight"]
 
@@ -224,18 +224,16 @@ def _locked(path: str | os.PathLike[str], flags: int) -> BinaryIO:
         # A pipe cannot be gone on with, and opening one may wait for ever.
         raise FileFormatError(one_line(f"{os.fspath(path)}: a flight needs a file of its own"))
     file = os.fdopen(os.open(path, os.O_RDWR | flags, 0o666), "r+b")
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
+    if not try_lock(file):
         file.close()
-        raise FileFormatError(
-            one_line(f"{os.fspath(path)}: is being written by another flight")
-        ) from error
+        raise FileFormatError(one_line(f"{os.fspath(path)}: is being written by another flight"))
     return file
 
 
 def _settle_folder(path: str | os.PathLike[str]) -> None:
     """Make a new file's name durable, too."""
+    if os.name == "nt":
+        return  # Windows opens no folders
     folder = os.open(Path(path).resolve().parent, os.O_RDONLY)
     try:
         os.fsync(folder)

@@ -37,6 +37,15 @@ def to_dict(value: Scenario | Plan) -> dict[str, object]:
         If the scenario's ``source`` is not plain.
     ArgumentTypeError
         If it is neither a scenario nor a plan.
+
+    Examples
+    --------
+    >>> from radmpc.experiments.families import paper
+    >>> data = to_dict(paper(2, seed=1))
+    >>> data["format"]
+    'radmpc/scenario/1'
+    >>> to_dict(from_dict(data)) == data
+    True
     """
     if isinstance(value, Plan):
         return encode_plan(value)

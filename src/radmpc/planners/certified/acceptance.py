@@ -79,7 +79,7 @@ def accept_round(fleet: Fleet, state: SearchState, candidate: Round, judge: Judg
 class _Rescaling:
     """How far the search for the budget at which a round's certificate is just below Δ has come.
 
-    It lives while one round is judged, and nobody else writes to it.
+    It exists while one round is judged, and only this class writes to it.
 
     Attributes
     ----------

@@ -24,7 +24,7 @@ from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.programs import SetPrograms
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.endpoints.floors import EndpointHazard, start_hazards
-from radmpc.planners.planner import Improved, nobody
+from radmpc.planners.planner import Improved, no_listener
 from radmpc.planners.within_norms import models_within_norms
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass, replace
@@ -95,9 +95,9 @@ class Fleet:
         gap: float,
         limits: Limits,
         *,
-        progress: Callable[[int, int], None] = nobody,
-        found: Callable[[float, float], None] = nobody,
-        improved: Improved = nobody,
+        progress: Callable[[int, int], None] = no_listener,
+        found: Callable[[float, float], None] = no_listener,
+        improved: Improved = no_listener,
         executor: Executor | None = None,
         is_costless: bool = False,
         hazards: Hazards | None = None,

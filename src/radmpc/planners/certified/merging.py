@@ -1,4 +1,4 @@
-"""Who has been merged so far, and why; `radmpc.planners.certified.rounds` decides."""
+"""Which sets have been merged, and why; `radmpc.planners.certified.rounds` decides."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Merging:
 
     @classmethod
     def of(cls, scenario: Scenario) -> Merging:
-        """Begin with those planned together who keep a range, whatever they risk apart."""
+        """Begin with vehicles that keep a range planned together, whatever they risk apart."""
         names = [vehicle.name for vehicle in scenario.vehicles]
         pairs = keep_pairs(scenario.keep, names)
         return cls(scenario, rejected_pairs={(i, j): 1.0 for i, j, _ in pairs})

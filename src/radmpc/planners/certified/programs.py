@@ -131,7 +131,7 @@ class SetPrograms:
         return self.surroundings_of(members).scenario
 
     def surroundings_of(self, members: Members) -> Surroundings:
-        """Return what a set may meet, and who of it."""
+        """Return what a set may meet, and which of its vehicles."""
         if members not in self._alone:
             self._alone[members] = self.surroundings.among(members)
         return self._alone[members]

@@ -34,7 +34,7 @@ WEIGHTS = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5)
 """Weights R of the control that are tried for feedback, with Q = 1 [-]: a softer gain each."""
 
 MOST_RISK = 0.25
-"""Δ above which nobody wants a plan [-]."""
+"""Δ above which plans are of no use [-]."""
 
 _LONGER = (1.25, 1.6, 2.2)
 """Multiples of the horizon that are tried [-]."""

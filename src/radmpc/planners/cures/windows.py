@@ -61,7 +61,7 @@ def later_visit(
     scenario : Scenario
         These vehicles alone.
     i : int
-        Who makes the visit.
+        The vehicle that makes the visit.
     visit : int
         Which of its visits.
     does : callable

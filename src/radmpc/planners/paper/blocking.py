@@ -78,7 +78,7 @@ def blocking_vehicles(
         Their numbers, ascending.
     """
     risks = encounter_risks(fleet, k, i, plan, controls, obstacles, range(len(plan) - 1))
-    # A uniform share is at least this much; whoever exceeds it stands in the way.
+    # A uniform share is at least this much; a vehicle that exceeds it blocks.
     least = share / max(len(plan) * len(obstacles), 1)
     found = np.flatnonzero(risks > max(least, _NO_ENCOUNTER))
     return [int(j) for j in found if j != i]

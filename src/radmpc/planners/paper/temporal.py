@@ -15,7 +15,7 @@ __all__ = ["TemporalObstacle", "make_temporal_obstacle", "standing_obstacle"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TemporalObstacle:
-    """One convex set per absolute step, not yet grown by whoever avoids it.
+    """One convex set per absolute step, not yet grown by the vehicle that avoids it.
 
     Attributes
     ----------

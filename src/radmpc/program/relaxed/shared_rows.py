@@ -44,7 +44,7 @@ class SharedCones:
         self._rows: SharedRows | None = None
 
     def rows(self) -> SharedRows:
-        """Return rows of these cones: those of all who ask, or new ones where none are kept."""
+        """Return rows of these cones: the shared ones, or new ones where none are kept."""
         if self._rows is None or not self._keeps_rows:
             self._rows = SharedRows(self, SharedHazards())
         return self._rows

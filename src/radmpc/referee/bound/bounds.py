@@ -201,7 +201,7 @@ def site_risks(sites: Sites, directions: Tensor) -> tuple[Vector, Vector]:
     found = np.minimum(risks, 1.0)
     worth = np.flatnonzero(found > NEGLIGIBLE)
     if worth.size and sites.samples is None and sites.means.shape[2] == 2:
-        # Who meets nobody is not integrated.
+        # Vehicles without encounters are not integrated.
         from radmpc.referee.bound.planar import grown_polygon_risks  # noqa: PLC0415 - near pairs alone
 
         close = sites.take(worth)

@@ -130,6 +130,14 @@ def certify(plan: Plan, *, avoidance: Avoidance | None = None) -> Certificate:
         If it is no plan; of a result take ``require()``.
     ArgumentError
         If there is no such avoidance.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), rng=0).require()
+    >>> radmpc.certify(plan).certified <= plan.scenario.risk_bound
+    True
     """
     plan = plan_under(plan, avoidance)
     return judged(plan, FleetNoise.of(plan.scenario))

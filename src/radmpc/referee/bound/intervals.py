@@ -151,7 +151,7 @@ def _each_alone(encounters: Encounters) -> tuple[Tensor, Tensor, Matrix, Flags, 
 def _told_apart(encounters: Encounters) -> tuple[Tensor, Tensor, Matrix, Flags]:
     """Return what `alone_risks` does, but where the line to the set tells, and where it does.
 
-    Most intervals bring nobody near: the half-space across that line risks next to nothing there.
+    In most intervals no vehicle is near: the half-space across that line risks next to nothing.
     """
     parts = []
     for block in blocks(encounters):

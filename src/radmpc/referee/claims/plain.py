@@ -110,7 +110,7 @@ def _differs(stated: Tensor, true: Tensor, tolerance: float) -> Flags:
 def _exceeds(
     vehicles: Sequence[Vehicle], paths: Sequence[Trajectory], states: Tensor, tolerance: float
 ) -> Flags:
-    """Return who exceeds a control, a speed or the goal, (g,) bool."""
+    """Return which exceed a control, a speed or the goal, (g,) bool."""
     system = vehicles[0].system
     controls = np.array([path.controls for path in paths])
     limits = np.array([vehicle.control_limit for vehicle in vehicles])

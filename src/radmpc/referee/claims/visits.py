@@ -101,7 +101,7 @@ def time_to_come(plan: Plan, passed: int) -> float:
     Returns
     -------
     float
-        In units of effort; 0 for who has arrived.
+        In units of effort; 0 for a vehicle that has arrived.
     """
     total = 0
     for vehicle, path in zip(plan.scenario.vehicles, plan.trajectories, strict=True):
@@ -109,7 +109,7 @@ def time_to_come(plan: Plan, passed: int) -> float:
             continue
         arrived = arrival_step(vehicle, path.means)
         goal = Visit(vehicle.goal.lower, vehicle.goal.upper, speed=vehicle.goal.speed)
-        # A window is open from its step 1 on at the earliest: who was there before needs none.
+        # A window is open from its step 1 on at the earliest: a vehicle there before needs none.
         is_there = arrived == 1 and _beside(vehicle, goal, path.means[:1])[0] <= _TOL
         total += max(arrived - is_there - passed, 0)
     return plan.scenario.time_weight * plan.scenario.dt * total

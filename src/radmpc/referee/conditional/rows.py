@@ -24,7 +24,7 @@ Flags = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Parties:
-    """Who meets what, of each encounter.
+    """Vehicle and obstacle or partner of each encounter.
 
     Attributes
     ----------

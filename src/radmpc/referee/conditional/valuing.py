@@ -94,7 +94,7 @@ def halfspace_values(
     above = np.where(coming[:, None], exceeding(levels, scale.samples), 0.0)
     below = above.copy()
     # The row before counts as long as it is not of the past: what it failed with then hit nothing.
-    # Where nobody knows whether it hit anything, its charge has paid for that.
+    # Where a contact is unknown, the charge of that step covers it.
     ends = coming & (rows.before >= 0) & ~coming[rows.before] & parties.are_hidden[rows.encounters]
     linked = np.flatnonzero(coming & (rows.before >= 0) & (coming[rows.before] | ends))
     if linked.size:

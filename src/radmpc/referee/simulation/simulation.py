@@ -168,6 +168,14 @@ def simulate(
         If the plan holds no trajectories.
     ScenarioError
         If its vehicles or arrays do not fit its scenario, or overflow.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), rng=0).require()
+    >>> radmpc.simulate(plan, 2_000, rng=0).rate <= plan.scenario.risk_bound
+    True
     """
     plan = plan_under(plan, avoidance)
     samples = check_integer(samples, "samples", 1)

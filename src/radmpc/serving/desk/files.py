@@ -188,7 +188,7 @@ async def plan_saved(desk: Desk, args: Args) -> object:
 def _plan_text(plan: Plan) -> str:
     """Return a plan as its file has it."""
     from radmpc.io.native.plan_file import encode_plan  # noqa: PLC0415 - after the first answer
-    from radmpc.io.text.json_text import write_json  # noqa: PLC0415 - likewise
+    from radmpc.io.text.json_text import write_json  # noqa: PLC0415 - after the first answer
 
     return write_json(encode_plan(plan))
 
@@ -206,7 +206,7 @@ async def exported(desk: Desk, args: Args) -> object:
 def _export(plan: Plan, kind: str) -> tuple[str, bytes]:
     """Return the name and the content of an export."""
     from radmpc.io.export.exporting import export_plan  # noqa: PLC0415 - few are asked for
-    from radmpc.io.export.names import file_part  # noqa: PLC0415 - likewise
+    from radmpc.io.export.names import file_part  # noqa: PLC0415 - few are asked for
 
     suffix = {"qgc": "plan"}.get(kind, kind)
     stem = file_part(plan.scenario.name) or "plan"

@@ -113,7 +113,7 @@ def _document(path: Path) -> Opened:
 def _flight(path: Path) -> Opened:
     """Return a flight: its first mission as ticks."""
     from radmpc.io.flight.flight_file import load_flight  # noqa: PLC0415 - few are opened
-    from radmpc.serving.views.flight import tick_view  # noqa: PLC0415 - likewise
+    from radmpc.serving.views.flight import tick_view  # noqa: PLC0415 - few flights are opened
 
     record = load_flight(path)
     scenario = record.plan.scenario

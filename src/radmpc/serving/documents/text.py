@@ -60,8 +60,8 @@ def text_of(content: Content, suffix: str, origin: Original | None) -> str:
 def _merged(text: str, content: Content) -> str | None:
     """Return a text with the values of a document; None where that does not read back equal."""
     from ruamel.yaml import YAML  # noqa: PLC0415 - to save is rare
-    from ruamel.yaml.error import YAMLError  # noqa: PLC0415 - likewise
-    from ruamel.yaml.util import load_yaml_guess_indent  # noqa: PLC0415 - likewise
+    from ruamel.yaml.error import YAMLError  # noqa: PLC0415 - to save is rare
+    from ruamel.yaml.util import load_yaml_guess_indent  # noqa: PLC0415 - to save is rare
 
     yaml = YAML(typ="rt")
     yaml.preserve_quotes = True

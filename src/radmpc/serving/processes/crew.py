@@ -36,7 +36,7 @@ class Crew:
         return [w.pid for w in (*self._reserve, *self._busy) if w.pid is not None]
 
     def prepare(self) -> None:
-        """Have a worker in reserve, that loads while nobody waits for it."""
+        """Have a worker in reserve, that loads before it is needed."""
         self._reserve = [worker for worker in self._reserve if worker.is_alive]
         if not self._reserve and not self._is_over:
             self._reserve.append(Worker())

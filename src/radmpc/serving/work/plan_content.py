@@ -44,8 +44,7 @@ def plan_content(control: Control, asked: Asked) -> Ended:
     record = result.record
     remarks: tuple[Remark, ...] = ()
     if not result.is_certified:
-        # Loads what looks at scenarios before they are planned, which most searches do without.
-        from radmpc.serving.work.reasons import remarks_of  # noqa: PLC0415 - see above
+        from radmpc.serving.work.reasons import remarks_of  # noqa: PLC0415 - loads the preflight checks; few need it
 
         remarks = remarks_of(record)
     return Ended(record, remarks)

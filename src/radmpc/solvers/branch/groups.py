@@ -28,7 +28,7 @@ heuristics on groups that close at once."""
 
 
 class Groups:
-    """The running state: who is solved together, and what came of it."""
+    """The running state: which vehicles are solved together, and their solutions."""
 
     def __init__(
         self,

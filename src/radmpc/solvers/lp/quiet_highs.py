@@ -45,14 +45,23 @@ FEASIBILITY_TOL = 1e-9
 takes is 1e-10; larger ones let points violate rows by more than plans may."""
 
 
+class _SilentHighs(highspy.Highs):  # type: ignore[misc] # its stubs are skipped, see pyproject.toml
+    """HiGHS without output from the first call on.
+
+    From 1.16 on HiGHS prints its version at the first call that finds output switched on, and the
+    constructor of highspy makes one itself: it enables callbacks.
+    """
+
+    def enableCallbacks(self) -> None:  # noqa: N802 - the name in highspy
+        """Switch output off before anything is called."""
+        self.setOptionValue("output_flag", False)
+        super().enableCallbacks()
+
+
 def quiet_highs() -> highspy.Highs:
     """Return a HiGHS instance that is silent, single-threaded and repeatable."""
-    highs = highspy.Highs()
-    for name, value in (
-        ("output_flag", False),
-        ("threads", 1),
-        ("random_seed", 0),
-    ):
+    highs = _SilentHighs()
+    for name, value in (("threads", 1), ("random_seed", 0)):
         highs.setOptionValue(name, value)
     return highs
 

@@ -1,4 +1,4 @@
-"""Rows of a linear program that are added when first asked for, and free while nobody does."""
+"""Rows of a linear program that are added when first needed, and free while unused."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
         if found is not None and not found.stuck:
             texts.append(_of_rest(part, found, limits))
         blocked = () if slow else tuple(sorted({i for r in reasons for i in r.members}))
-        # Who is late in empty space is so whatever half-spaces keep it clear of others.
+        # A vehicle late in empty space is late whatever half-spaces keep it clear of others.
         return WhyNot(" ".join(texts), is_proven=True, blocked=blocked, rules_out_any=bool(slow))
     if found is None:  # a limit came first
         return WhyNot(ended(scenario, limits, models), is_proven=False)
@@ -150,7 +150,7 @@ def _others(count: int) -> str:
 
 
 def _of_rest(part: Scenario, found: LeastRisk, limits: Limits) -> str:
-    """Say what those can do who are not stuck."""
+    """Say what the other vehicles can do."""
     others = _others(part.num_vehicles)
     if found.risk <= part.risk_bound:
         return f"{others} can be planned within the risk bound."

@@ -30,7 +30,7 @@ _BY_FACES = "by the faces of this scenario"
 def stuck_reason(
     scenario: Scenario, members: tuple[int, ...], limits: Limits
 ) -> tuple[tuple[int, ...], str, str | None]:
-    """Say who cannot be planned at any risk, and what stands in the way.
+    """Say which vehicles cannot be planned at any risk, and what stands in the way.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def stuck_reason(
     Returns
     -------
     members : tuple of int
-        Those of them who are stuck by themselves.
+        Those of them that are stuck by themselves.
     text : str
         A sentence; of one vehicle what follows its name.
     many : str or None

@@ -19,7 +19,7 @@ class Tuning:
     Attributes
     ----------
     face_trials : tuple of float
-        Time to tell whether more faces leave a plan to who has none, first and again [s].
+        Time to find out whether more faces give a plan where there is none, first and again [s].
     faces : mapping of int to tuple of int
         Numbers of faces around pairs that are tried, by dimension [-].
     seconds : float

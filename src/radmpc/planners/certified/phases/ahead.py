@@ -79,9 +79,9 @@ def prove_ahead(
     state = replace(SearchState.of(fleet), incumbent=replace(first, sets=_kept_together(fleet)))
     if relative_gap(first.cost, base) <= fleet.gap:
         return Ahead(state, min(base, first.cost), True)
-    # Who meets nobody costs no more than in empty space, and needs none of this.
-    from radmpc.planners.certified.phases.around import Around  # noqa: PLC0415 - see above
-    from radmpc.planners.certified.turned.turned_plans import turn_half_spaces  # noqa: PLC0415 - see above
+    # A vehicle without conflicts costs no more than in empty space, and needs none of this.
+    from radmpc.planners.certified.phases.around import Around  # noqa: PLC0415 - vehicles without conflicts do without
+    from radmpc.planners.certified.turned.turned_plans import turn_half_spaces  # noqa: PLC0415 - vehicles without conflicts do without
 
     limits = fleet.limits.within(TUNING.time_share * fleet.limits.seconds_left)
     fleet, outside = fleet.with_limits(limits), outside.with_limits(limits)
@@ -103,7 +103,7 @@ def prove_ahead(
 
 
 def _kept_together(fleet: Fleet) -> tuple[Members, ...]:
-    """Return everyone alone, but those who keep a range."""
+    """Return sets of one vehicle, but those that keep a range together."""
     merging, sets = SearchState.of(fleet).merging, fleet.singles
     while kept := merging.to_merge(sets):
         sets = merge_worst(sets, by_sets(kept, owners_of(sets)))

@@ -27,7 +27,7 @@ __all__ = ["Around"]
 
 @dataclass(slots=True, eq=False)
 class Around:
-    """How far it has come; it lives for one first plan, and nobody else writes to it.
+    """How far it has come; it exists for one first plan, and only this class writes to it.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Around:
             if not search.is_over and self._has_merged(search):
                 parts = tuple(members for members in search.order if members not in before)
                 if max(map(len, parts), default=0) > TUNING.few_together and self.turn_on():
-                    # Their search takes long, and whoever stops it has a better plan.
+                    # Their search takes long; if it is stopped, there is a better plan already.
                     search.continue_from(self.state.incumbent, self._price())
                 continue
             gained = self._turned(search, is_outside=timed.scenario is not self.fleet.scenario)

@@ -18,7 +18,7 @@ from radmpc.records import replace
 from radmpc.solvers.solution import relative_gap
 
 if TYPE_CHECKING:
-    # Who meets nobody needs no bound.
+    # Vehicles without conflicts need no bound.
     from radmpc.planners.certified.proof.search import BoundSearch
 
 __all__ = ["bound_faces", "bound_faces_of_each"]
@@ -54,7 +54,7 @@ def bound_faces(
     left = fleet.scenario.risk_bound - fleet.initial
     if left <= 0.0:
         return state
-    from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - not who meets nobody
+    from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - vehicles without conflicts do without
 
     outside = outside_norms_of(fleet, state.incumbent.controls)
     begin = state.incumbent, price, float(sum(outside.base)), most_nodes

@@ -46,7 +46,7 @@ def improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, judge: Jud
     """
     searched, least = state.incumbent, float(sum(fleet.base))
     if relative_gap(min(first.cost, searched.cost), least) > PRICE_TUNING.negligible * fleet.gap:
-        from radmpc.planners.certified.turned.turned_plans import turn_half_spaces  # noqa: PLC0415 - as below
+        from radmpc.planners.certified.turned.turned_plans import turn_half_spaces  # noqa: PLC0415 - vehicles without conflicts do without
 
         if state.has_plan:
             state = _turned(fleet, state, judge)
@@ -135,8 +135,8 @@ def cheaper(
 
 def _turned(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:
     """Turn half-spaces to the plan of the search, and to others where risk was not its limit."""
-    # Who is alone costs no more than in empty space, and turns nothing.
-    from radmpc.planners.certified.turned.turned_plans import turn_half_spaces  # noqa: PLC0415 - not who meets nobody
+    # A vehicle without conflicts costs no more than in empty space: nothing is turned.
+    from radmpc.planners.certified.turned.turned_plans import turn_half_spaces  # noqa: PLC0415 - vehicles without conflicts do without
 
     state = turn_half_spaces(fleet, state, judge)
     if state.incumbent.certified < TUNING.unspent * fleet.scenario.risk_bound:
@@ -169,7 +169,7 @@ def turned_to_others(fleet: Fleet, state: SearchState, proof: Proof, judge: Judg
     """
     gap = relative_gap(state.incumbent.cost, proof.bound)
     if gap > PROOF_TUNING.gap and proof.controls and not fleet.limits.reached:
-        from radmpc.planners.certified.turned.turned_plans import turn_to  # noqa: PLC0415 - as above
+        from radmpc.planners.certified.turned.turned_plans import turn_to  # noqa: PLC0415 - vehicles without conflicts do without
 
         price = shadow_price(fleet, state) or fleet.first_unit_price(state.budget) / fleet.unit
         state = turn_to(fleet, state, judge, proof.controls, price, is_outside=proof.is_outside)
@@ -179,6 +179,6 @@ def turned_to_others(fleet: Fleet, state: SearchState, proof: Proof, judge: Judg
 
         sets = state.incumbent.sets
         state = turn_from_noiseless(fleet, state, judge)
-        # Who had to be planned together is what the search found, not what this began with.
+        # Which vehicles had to be planned together is what the search found, not the sets here.
         state = replace(state, incumbent=replace(state.incumbent, sets=sets))
     return state

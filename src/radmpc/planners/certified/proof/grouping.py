@@ -12,7 +12,7 @@ from radmpc.planners.certified.proof.symmetry import with_images
 from radmpc.planners.certified.proof.tuning import TUNING
 
 if TYPE_CHECKING:
-    # Who meets nobody needs no relaxation.
+    # Vehicles without conflicts need no relaxation.
     from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 
 __all__ = [
@@ -243,7 +243,7 @@ class PartTotals:
     def bound(
         self, parts: Sequence[Members], price: float, bound_of: Callable[[Members], float]
     ) -> float:
-        """Return the sum of the bounds of all parts; who was kept since is asked anew.
+        """Return the sum of the bounds of all parts; those kept since are computed anew.
 
         Parameters
         ----------

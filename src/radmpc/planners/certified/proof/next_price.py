@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from radmpc.planners.certified.proof.tuning import TUNING
 
 if TYPE_CHECKING:
-    # Who meets nobody needs no relaxation.
+    # Vehicles without conflicts need no relaxation.
     from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 
 __all__ = ["better_price", "risk_share"]
@@ -32,7 +32,7 @@ def better_price(price: float, ratio: float | None, most_step: float = TUNING.mo
 
 
 def risk_share(found: Iterable[RelaxedSet], risk_bound: float) -> float | None:
-    """Return what relaxed plans risk [-]; None where nobody meets anything, which says nothing.
+    """Return what relaxed plans risk [-]; None where there are no conflicts.
 
     Parameters
     ----------

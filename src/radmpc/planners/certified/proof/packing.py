@@ -68,7 +68,7 @@ def packed(gains: Mapping[Members, float]) -> tuple[float, tuple[Members, ...]]:
         return 0.0, ()
     sets, values = list(gains), np.array(list(gains.values()))
     if values.max() == np.inf:
-        # Who has no plan at any price has none together with others either.
+        # A vehicle without a plan at any price has none together with others either.
         return float("inf"), (sets[int(values.argmax())],)
     place = {i: row for row, i in enumerate(sorted({i for members in sets for i in members}))}
     counted = np.zeros((len(place), len(sets)))

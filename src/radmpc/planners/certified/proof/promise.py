@@ -93,7 +93,7 @@ def is_slow(gain: float, spent: int, left: float, missing: float) -> bool:
     spent : int
         How many these were [-].
     left : float
-        How many are left [-]; where that is inf, nobody asks for haste.
+        How many are left [-]; inf is no limit.
     missing : float
         By how much the bound has to rise.
     """

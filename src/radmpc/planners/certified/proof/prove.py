@@ -67,7 +67,7 @@ def bound_on_any(
     if relative_gap(cost, base) <= TUNING.gap:
         return Proof(min(base, cost))
     # A vehicle that nothing stops costs no more than in empty space.
-    from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - not who meets nobody
+    from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - vehicles without conflicts do without
 
     search = BoundSearch(fleet, incumbent, price or 0.0, base, most_nodes, proven=dict(proven))
     search.run()

@@ -53,7 +53,7 @@ _LOG = logging.getLogger(__name__)
 class BoundSearch:
     """The search for the bound: parts are searched in turn, those that promise most first.
 
-    It lives for one bound, and nobody else writes to it.
+    It exists for one bound, and only this class writes to it.
 
     Attributes
     ----------
@@ -153,7 +153,7 @@ class BoundSearch:
         for _ in range(TUNING.prices):
             self._search()
             _LOG.info(
-                "bound on any plan%s: %.6g, %d directions, price of 1 %% of Δ %.3g, %d nodes",
+                "bound on any plan%s: %.6g, %d directions, %.3g per 1 %% of risk bound, %d nodes",
                 *(" by faces" * self.is_by_faces, self.best, TUNING.directions),
                 *(0.01 * self.fleet.scenario.risk_bound * self.price, self.nodes),
             )
@@ -258,7 +258,7 @@ class BoundSearch:
     def _answers(
         self, order: PartOrder, parts: Sequence[Members]
     ) -> Generator[tuple[Members, PartAnswer], None, None]:
-        """Yield what came of every part that promises anything, in order; who asks keeps it."""
+        """Yield the result of every part with an expected gain, in order; the caller keeps it."""
         done = {m for m, whole in self._found() if order.is_done(whole)}
         chosen = [m for m in parts if self._paid_for_hazards(m) > order.worth and m not in done]
         missing = self._missing()  # Now, so that workers and this process are asked the same.

@@ -27,7 +27,7 @@ def in_empty_space(scenario: Scenario, model: CondensedModel) -> DisjunctiveProg
     Parameters
     ----------
     scenario : Scenario
-        The vehicle's, whoever else is in it.
+        The vehicle's, whatever others are in it.
     model : CondensedModel
         The vehicle.
     """
@@ -89,6 +89,6 @@ def _least(lp: BoundedLp, along: Matrix, limits: Limits) -> Vector:
 
 
 def _kept(places: Matrix) -> Matrix:
-    """Return an array that nobody writes to."""
+    """Return a read-only array."""
     places.setflags(write=False)
     return places

@@ -33,7 +33,7 @@ class Begin:
     routes : mapping of int to Route
         Routes around obstacles of those that these stop.
     sets : tuple of tuple of int
-        Who get in each other's way.
+        Vehicles in conflict.
     price : float
         Shadow price of the risk, per unit of probability.
     clearance : float
@@ -101,7 +101,7 @@ class Attempt:
     penalty : float
         Of a meter missed in the first sweep, see `Tuning.first_penalty` [-].
     is_placed : bool
-        Whether paths are places clear of each other: who keeps them is left alone.
+        Whether paths are places clear of each other: a vehicle that keeps them is not planned.
     rounds : int
         Turns at a price of risk at most, once there is a plan; as usual before [-].
     rng : Generator or None

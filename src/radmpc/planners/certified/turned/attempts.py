@@ -30,7 +30,7 @@ _SIDES = 2
 """Beginnings that are turned where nothing stands in the way [-]."""
 
 _WAITING = 4
-"""Vehicles up to which it is tried who waits for whom [-]: each is first once."""
+"""Vehicles up to which orders of waiting are tried [-]: each is first once."""
 
 _DEAR = 2.0
 """Multiple of what vehicles take alone above which it is [-]."""

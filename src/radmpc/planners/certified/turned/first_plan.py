@@ -144,7 +144,7 @@ def _dear(*, is_maze: bool) -> float:
 
 
 def _worth(hazards: Hazards, paths: Paths) -> float:
-    """Return about what a plan costs: who coasts or stays pays nothing until something comes."""
+    """Return about what a plan costs: coasting and staying cost nothing until a conflict."""
     most = sum(m.vehicle.cost_weight * float(m.control_bounds.sum()) for m in hazards.models)
     return max(paths.cost(), _COASTING * most)
 
@@ -160,7 +160,7 @@ def _seconds(task: Task, *, is_aside: bool, is_maze: bool) -> float:
 def _is_among_many(hazards: Hazards, largest: int) -> bool:
     """Whether many obstacles are in the way rather than other vehicles.
 
-    Where many vehicles meet, who lets whom pass tells more than what each would do alone.
+    Where many vehicles meet, the order of passing matters more than what each would do alone.
     """
     return hazards.shapes.count >= TUNING.many_obstacles and largest < TUNING.many
 
@@ -256,7 +256,7 @@ def _stopped(hazards: Hazards, paths: Paths) -> np.ndarray:
 
 
 def _meeting(hazards: Hazards, paths: Paths, clearance: float) -> tuple[tuple[int, ...], ...]:
-    """Return who get in each other's way if alone, or keep a range, also through others."""
+    """Group vehicles in conflict if planned alone, or keeping a range, also through others."""
     everyone = tuple(range(hazards.count))
     spaces = half_spaces(hazards, paths, everyone, Near(clearance, 0.0, is_refined=False))
     meets = (spaces.clearances < clearance).any(axis=1) & (spaces.second >= 0)

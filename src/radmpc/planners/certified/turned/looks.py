@@ -1,4 +1,4 @@
-"""Looks at paths at hand: who keeps clear of everything, and what has no half-space between."""
+"""Checks of given paths: which keep clear of everything, and pairs without a half-space."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def unforeseen(
     paths : Paths
         Everyone's latest paths.
     members : sequence of int
-        Who moved, ascending.
+        Vehicles that moved, ascending.
     before : (N, T+1, d) array
         Where everybody was [m].
     had : tuple of ((w,) int array, float)
@@ -80,7 +80,7 @@ def unforeseen(
     Returns
     -------
     HalfSpaces or None
-        None where nobody moved so far that there can be any.
+        None where no vehicle moved so far that there can be any.
     """
     keys, reach = had
     some = list(members)

@@ -104,7 +104,7 @@ def reached_by(
     paths : Paths
         Everyone's latest paths.
     moved : tuple of int and (T+1, d) array
-        Who moved, and where it was before [m].
+        Vehicles that moved, and where they were before [m].
     clearance : float
         Standard deviations that all keep [-].
     """

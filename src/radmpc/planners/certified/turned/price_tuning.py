@@ -48,7 +48,7 @@ class PriceControlTuning:
         faster than in proportion.
     near, most_power : float
         Ratio of certificate to aim from which on it follows a secant instead, and the largest power
-        of that [-]: in seven draws of `paper(8)` that somebody crosses, placed within 0.3 m, 209
+        of that [-]: in seven draws of `paper(8)` that a vehicle crosses, placed within 0.3 m, 209
         turns become 160; from the first round on, plans of `clutter(10, 100)` were 0.7 % dearer.
     enough : float
         Share of the gap below which a round gains too little to go on [-].

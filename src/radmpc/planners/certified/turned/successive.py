@@ -172,7 +172,7 @@ class SuccessiveLp:
             for i in order:
                 if (limits or self.limits).reached:
                     return False
-                # Who misses nothing and stayed would stay again, until somebody near moves.
+                # A vehicle that misses nothing and stayed would stay again, until one near moves.
                 if not is_still[i]:
                     before = self.paths.means[i].copy()
                     self.plan_alone(i, clearance, penalty)
@@ -196,7 +196,7 @@ class SuccessiveLp:
         return float(self.missed.sum()) <= _MISSED
 
     def _clear_alone(self, clearance: float) -> npt.NDArray[np.bool_]:
-        """Return who moves as if alone and keeps clear of all others, (N,)."""
+        """Return which move as if alone and keep clear of all others, (N,)."""
         alone = [i for i in range(self.hazards.count) if self._is_alone(i)]
         near = Near(clearance, 0.0, is_refined=False, is_start_given=self._has_visits)
         return keep_clear(self.hazards, self.paths, alone, near)

@@ -114,7 +114,7 @@ def plan_by_turning(
     fleet, state, judge
         As in `turn_half_spaces`, with or without a plan.
     sets : tuple of tuple of int
-        Who is planned together.
+        Vehicles that are planned together.
     controls : tuple of (T, m) array
         Of a plan without collisions, noise aside, in the scenario's order.
 

@@ -46,13 +46,13 @@ class Turning:
     incumbent : FleetIncumbent
         The best plan so far.
     sets : tuple of tuple of int
-        Who is planned together.
+        Vehicles that are planned together.
     price : float
         Shadow price of the risk, per unit of probability.
     successive : SuccessiveLp
         The latest paths, and what improves them.
     groups : tuple of tuple of int
-        Who shares a linear program: everyone in a small fleet, else sets side by side.
+        Vehicles by linear program: all in a small fleet, else sets side by side.
     risk : float
         What the half-spaces' risks sum to in the last round [-].
     num_solves : int
@@ -94,7 +94,7 @@ class Turning:
     latest: float = 0.0
 
     def __post_init__(self) -> None:
-        """Choose who shares a linear program."""
+        """Choose which vehicles share a linear program."""
         self.groups = groups_of(self.sets, self.task.hazards.count)
         self.successive = SuccessiveLp(self.task.hazards, self.task.limits, self.programs)
 
@@ -281,6 +281,6 @@ class Turning:
         return self.task.judge(controls).certified
 
     def _keep_limits(self, controls: Sequence[Matrix]) -> bool:
-        """Tell whether controls are those of programs: nobody was held where the paths began."""
+        """Whether controls are those of programs: no vehicle was held where the paths began."""
         both = zip(self.task.hazards.models, controls, strict=True)
         return all(keeps_hard_rows(model, each) for model, each in both)

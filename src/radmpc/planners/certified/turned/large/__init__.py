@@ -1,1 +1,1 @@
-"""Large fleets: who shares a linear program, and who is left where they are."""
+"""Large fleets: which vehicles share a linear program, and which stay as they are."""

@@ -1,4 +1,4 @@
-"""Who shares a linear program while half-spaces are turned."""
+"""Which vehicles share a linear program while half-spaces are turned."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["groups_of", "parts_of"]
 
 
 def groups_of(sets: Sequence[Members], count: int) -> tuple[Members, ...]:
-    """Return who shares a linear program: everyone in a small fleet, else sets side by side.
+    """Group vehicles by linear program: all in a small fleet, else sets side by side.
 
     A solve takes HiGHS and numpy about as long for a dozen vehicles as for one. The vehicles of
     sets too large for that are spread over several programs.

@@ -232,7 +232,7 @@ def _parted(spaces: HalfSpaces, groups: Sequence[Group], count: int) -> Iterator
     owners = np.full(count + 1, -1)
     for number, group in enumerate(groups):
         owners[list(group)] = number
-    # The last is nobody's, for obstacles.
+    # The last stands for obstacles.
     first, second = owners[spaces.first], owners[spaces.second]
     for number in range(len(groups)):
         yield spaces.of((first == number) | (second == number))

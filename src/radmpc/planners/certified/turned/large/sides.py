@@ -1,4 +1,4 @@
-"""Who passes anything on another side in one plan than in another."""
+"""Vehicles that pass something on another side in one plan than in another."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _near(hazards: Hazards, controls: Sequence[Matrix]) -> HalfSpaces:
 
 
 def _apart(spaces: HalfSpaces, others: HalfSpaces, far: float, same_side: float) -> frozenset[int]:
-    """Return who is near something in one plan, and far from it or beyond it in the other."""
+    """Return those near something in one plan, and far from it or beyond it in the other."""
     close = np.flatnonzero(spaces.clearances.min(axis=1) < far)
     order = np.argsort(others.keys)
     place = np.searchsorted(others.keys, spaces.keys[close], sorter=order)

@@ -1,4 +1,4 @@
-"""What a linear program of some vehicles takes of a fleet: who is planned, and where all are."""
+"""What a linear program of some vehicles takes of a fleet: the planned ones, and where all are."""
 
 from __future__ import annotations
 

@@ -158,7 +158,7 @@ class GroupLp:
         columns, rows = self._lp.basic()
         (num_columns, num_rows), active, basic = self._stay, [], []
         if self._bounds is None:
-            # Of what stays, which nobody changes.
+            # Of what stays, which is never changed.
             self._bounds = self._lp.bounds(num_columns, num_rows)
         first_row = num_rows
         for part in parts:

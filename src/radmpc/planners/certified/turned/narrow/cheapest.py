@@ -75,7 +75,7 @@ def cheapest_routes(
         Standard deviations that they keep [-].
     price : float or None
         Cost of risk, per unit of probability; None where no path is sought on a lattice: those of
-        many who get in each other's way are better told by who lets whom pass.
+        many in conflict are better described by the order of passing.
     is_quick : bool
         Whether the relaxation tells better sides soon: the shortest routes will do then. Plans of
         `paper(8)` come after 0.95 of the time, and end as cheap.
@@ -94,7 +94,7 @@ def cheapest_routes(
     comparison.compare_routes(grid, shortest)
     if price is not None:
         comparison.seek(price)
-    # Who was not planned on any in time takes the shortest.
+    # A vehicle that was not planned on any in time takes the shortest.
     return {
         i: comparison.best.get(i) or Route.evenly(hazards.models[i], corners)
         for i, corners in shortest.items()
@@ -127,7 +127,7 @@ class _Comparison:
     _trial: SuccessiveLp = field(init=False)
 
     def __post_init__(self) -> None:
-        """Begin with nobody on any route."""
+        """Begin without a vehicle on any route."""
         self._trial = SuccessiveLp(self.task.hazards, self.task.limits, self.alone.programs)
 
     def compare_routes(self, grid: Grid, shortest: Mapping[int, Matrix]) -> None:

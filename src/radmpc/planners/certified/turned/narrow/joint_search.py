@@ -1,9 +1,9 @@
 """Joint routes of all vehicles over the nodes of a graph, for knots that no priorities undo.
 
 LaCAM (Okumura 2023): a depth-first search over configurations, the nodes of all vehicles at a tick,
-that adds who must go where lazily. Configurations are proposed by priority inheritance with
-backtracking (PIBT, Okumura et al. 2022), with swaps in narrow passages (`swapping`). It finds a
-solution if there is any and time allows.
+that adds which vehicle must go where lazily. Configurations are proposed by priority inheritance
+with backtracking (PIBT, Okumura et al. 2022), with swaps in narrow passages (`swapping`). It finds
+a solution if there is any and time allows.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class GoalGraph:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Constraint:
-    """Who must go where next: one vehicle after the other, from the last."""
+    """Which vehicle must go where next: one after the other, from the last."""
 
     vehicle: int = -1
     node: int = -1
@@ -150,7 +150,7 @@ def _next_constraint(visit: _Visit, neighbors: Neighbors) -> _Constraint:
 
 
 def _visit_after(visit: _Visit, following: Configuration, goals: Configuration) -> _Visit:
-    """Return the first visit to a configuration: who waits longest comes first."""
+    """Return the first visit to a configuration: the longest wait comes first."""
     priorities = tuple(
         p + 1.0 if following[i] != goals[i] else p - float(np.floor(p))
         for i, p in enumerate(visit.priorities)
@@ -213,7 +213,7 @@ class _Proposals:
         return tuple(self._next)
 
     def _is_free(self, vehicle: int, node: int) -> bool:
-        """Whether a vehicle may go to a node: nobody goes there, or comes toward it from there."""
+        """Whether a vehicle may go to a node: none goes there, or comes toward it from there."""
         if node in self._taken:
             return False
         other = self._at.get(node)
@@ -243,13 +243,13 @@ class _Proposals:
                 if pulled is not None and node == ordered[0] and self._next[pulled] < 0:
                     self._pull(pulled, here)
                 return True
-            # Nobody leaves that node: whoever inherited stays where it tried to go.
+            # No vehicle leaves that node: the one that inherited stays where it tried to go.
             if self._taken.get(node) == vehicle:
                 del self._taken[node]
         self._take(vehicle, here)
         return False
 
     def _pull(self, vehicle: int, node: int) -> None:
-        """Have a vehicle follow to where another one leaves, if nobody else goes there."""
+        """Have a vehicle follow to where another one leaves, if no other goes there."""
         if self._is_free(vehicle, node):
             self._take(vehicle, node)

@@ -24,7 +24,7 @@ __all__ = ["joint_routes"]
 def joint_routes(
     hazards: Hazards, clear: Clear, rng: np.random.Generator, is_stopped: Callable[[], bool]
 ) -> Mapping[int, Matrix]:
-    """Return nodes that vehicles pass, tick by tick: all together, nobody near another.
+    """Return nodes that vehicles pass, tick by tick: all together, none near another.
 
     Parameters
     ----------

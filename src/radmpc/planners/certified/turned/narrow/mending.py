@@ -45,7 +45,7 @@ def mended(
     Returns
     -------
     bool
-        Whether nobody misses anything.
+        Whether no clearance is missed.
     """
     missing = sorted(who_misses(successive), key=lambda i: -successive.missed[i])
     if len(missing) <= NARROW.mended:

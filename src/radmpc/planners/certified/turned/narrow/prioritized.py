@@ -1,7 +1,8 @@
 """Prioritized planning on a grid in space and time: each vehicle around those placed before it.
 
-The order decides: who finds no route is put first, and all begin again (Erdmann and Lozano-Perez
-1987). What is found is where vehicles would be at each step; no controls follow it yet.
+The order decides: a vehicle without a route is put first, and all begin again (Erdmann and
+Lozano-Perez 1987). What is found is where vehicles would be at each step; no controls follow it
+yet.
 """
 
 from __future__ import annotations

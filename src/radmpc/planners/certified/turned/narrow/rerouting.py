@@ -29,7 +29,7 @@ _BATCH, _ENOUGH = 3, 0.1
 on 32 x 32 cells 40 robots are done after 6 per vehicle, 0.3 s, and 80 after 12, 3.7 s."""
 
 _SELDOM = 1e-3
-"""Weight of who is not late, against a tick of delay [ticks]."""
+"""Weight of a vehicle that is not late, against a tick of delay [ticks]."""
 
 _NOBODY = -1
 """Stands where no vehicle is."""
@@ -79,7 +79,7 @@ def rerouted(
 
 
 class _Routes:
-    """The routes of all vehicles, and who is where at each tick."""
+    """The routes of all vehicles, and which vehicle is where at each tick."""
 
     def __init__(self, graph: GoalGraph, configurations: Sequence[Configuration]) -> None:
         self._neighbors, self._distances = graph.neighbors, graph.distances
@@ -205,7 +205,7 @@ class _Routes:
             for other in self._next[node]:
                 if there[other] != _NOBODY or soon * size + other in known:
                     continue
-                # Nobody goes where another comes from while that one goes where it was.
+                # Two vehicles may not exchange their nodes within one tick.
                 if comes != _NOBODY and here[other] == comes:
                     continue
                 left = distance[other]

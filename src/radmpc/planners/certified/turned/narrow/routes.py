@@ -64,7 +64,7 @@ def pulled_routes(
 def _parts(path: Matrix) -> list[Matrix]:
     """Return the pieces of a path between places of rest.
 
-    Whoever waits does so for a reason: pulled straight across, a route would lead through others.
+    Vehicles wait for a reason: pulled straight across, a route would lead through others.
     """
     is_rest = np.append(False, ~np.diff(path, axis=0).any(axis=1))
     moving = path[~is_rest]
