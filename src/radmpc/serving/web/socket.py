@@ -36,8 +36,12 @@ _TOO_SLOW, _TOO_MANY = 1013, 1013
 
 
 def _dumped(message: object) -> str:
-    """Return a message as text."""
-    return json.dumps(message, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+    """Return a message as text, "?" for what UTF-8 cannot encode, such as some names of folders.
+
+    A message that cannot be sent would end the connection, and every one that tells of the same.
+    """
+    text = json.dumps(message, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+    return text if text.isascii() else text.encode("utf-8", "replace").decode("utf-8")
 
 
 class Page:
