@@ -15,8 +15,9 @@ from radmpc.model.plan import Coupling, Plan
 from radmpc.model.relations.couplings import unexplained_sets
 from radmpc.plotting.artists.flat import Color
 from radmpc.plotting.artists.obstacles import patch_of
-from radmpc.plotting.canvas.figure import check_axes, settle_layout
+from radmpc.plotting.canvas.figure import check_axes, points_per_unit, settle_layout
 from radmpc.plotting.canvas.headline import PLAIN, write_headline
+from radmpc.plotting.canvas.labels import LETTER, shortened
 from radmpc.plotting.canvas.style import (
     COLUMN_WIDTH,
     LABEL_SIZE,
@@ -26,7 +27,7 @@ from radmpc.plotting.canvas.style import (
     vehicle_colors,
 )
 from radmpc.plotting.risk.ledger_looks import new_column
-from radmpc.plotting.set_layout import laid_out
+from radmpc.plotting.set_layout import ALONE, laid_out
 from radmpc.wording import count_text
 
 __all__ = ["plot_couplings"]
@@ -168,7 +169,7 @@ def _draw_vehicles(
 ) -> None:
     """Draw a dot per vehicle in its color of the plan's picture, with its name if there is room."""
     colors = vehicle_colors([v.name for v in plan.scenario.vehicles], plan.sets)
-    is_named = len(place_of) <= MAX_LABELS
+    is_named = len(place_of) <= MAX_LABELS or _have_room(ax, list(place_of))
     for name, place in place_of.items():
         ax.plot(
             *place[:, None], linestyle="none", marker="o", markersize=7.0 if is_named else 4.0,
@@ -179,24 +180,23 @@ def _draw_vehicles(
             _write_name(ax, name, place, outward[name], colors[name])
 
 
+def _have_room(ax: Axes, names: list[str]) -> bool:
+    """Whether names fit between vehicles that stand as close as any do."""
+    longest = max(len(shortened(name, _MOST_LETTERS)) for name in names)
+    return LETTER[0] * LABEL_SIZE * longest <= ALONE * points_per_unit(ax)
+
+
 def _write_name(ax: Axes, name: str, place: Vector, outward: Vector, color: Color) -> None:
     """Write a name outside of its set's circle, where no edge is."""
     right, up = outward
     ax.annotate(
-        _shortened(name), (float(place[0]), float(place[1])), xytext=(4.5 * right, 4.5 * up),
-        textcoords="offset points", fontsize=LABEL_SIZE, color=color, zorder=5,
+        shortened(name, _MOST_LETTERS), (float(place[0]), float(place[1])),
+        xytext=(4.5 * right, 4.5 * up), textcoords="offset points",
+        fontsize=LABEL_SIZE, color=color, zorder=5,
         ha="center" if abs(right) < _UPRIGHT else "left" if right > 0.0 else "right",
         va="center" if abs(up) < _UPRIGHT else "bottom" if up > 0.0 else "top",
         gid=f"name:{name}", path_effects=[withStroke(linewidth=1.4, foreground="white")],
     )  # fmt: skip
-
-
-def _shortened(name: str) -> str:
-    """Return a name, without its middle where it would reach over its neighbors'."""
-    if len(name) <= _MOST_LETTERS:
-        return name
-    end = _MOST_LETTERS // 2
-    return f"{name[: _MOST_LETTERS - end - 1]}…{name[-end:]}"
 
 
 def _darkness(coupling: Coupling) -> float:

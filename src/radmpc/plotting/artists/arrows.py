@@ -9,6 +9,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
 from radmpc.arrays import Matrix
+from radmpc.plotting.canvas.figure import points_per_unit
 from radmpc.plotting.curves import point_along
 
 __all__ = ["draw_arrows"]
@@ -46,10 +47,7 @@ def draw_arrows(
     """
     lengths = np.linalg.norm(np.diff(steps, axis=0), axis=1)
     ends = np.cumsum(lengths)
-    figure = ax.get_figure(root=True)
-    pixels = np.diff(ax.transData.transform([[0.0, 0.0], [1.0, 1.0]]), axis=0).min()
-    points = float(ends[-1]) * float(pixels) * 72.0 / (100.0 if figure is None else figure.dpi)
-    room = points / (_ROOM * _LENGTH)
+    room = float(ends[-1]) * points_per_unit(ax) / (_ROOM * _LENGTH)
     for share in _SHARES[min(int(room), 2)]:
         k = min(int(np.searchsorted(ends, share * ends[-1])), len(ends) - 1)
         found = point_along(path, (ends[k] - 0.5 * lengths[k]) / max(float(ends[-1]), 1e-12))
