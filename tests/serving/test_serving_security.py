@@ -176,8 +176,9 @@ def test_a_file_that_cannot_be_written_is_told_without_its_place(folder, monkeyp
 def test_what_is_no_call_ends_the_socket_and_not_the_server(site, message):
     with site.connect() as line:
         line.send(message)
-        with pytest.raises(ConnectionClosed):
+        with pytest.raises(ConnectionClosed, match="not a call"):
             line.recv(timeout=10)
+    assert line.close_code == 1003
     assert site.page().call("files") == []
 
 
