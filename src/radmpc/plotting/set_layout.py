@@ -9,7 +9,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.records import dataclass, field
 
-__all__ = ["ALONE", "SetLayout", "laid_out"]
+__all__ = ["SetLayout", "laid_out"]
 
 _APART = 1.0
 """Distance between two vehicles of a set, the unit of the diagram."""
@@ -20,7 +20,7 @@ _GAP = 0.8
 _NAMES = 1.4
 """Distance between two sets side by side, of which names stand in between, in that unit."""
 
-ALONE = 0.6
+_ALONE = 0.6
 """Distance between two vehicles planned alone, in that unit."""
 
 _LEAST = 4.0
@@ -122,16 +122,16 @@ def laid_out(sizes: Sequence[int]) -> SetLayout:
         center = np.array([corner[0] + 0.5 * wide, -corner[1] - 0.5 * high])
         places.append(center + r * directions)
         outward.append(directions if n > 2 else np.tile([0.0, -1.0], (n, 1)))
-    return SetLayout(np.vstack(places), np.vstack(outward), width, max(height, ALONE))
+    return SetLayout(np.vstack(places), np.vstack(outward), width, max(height, _ALONE))
 
 
 def _box(count: int, radius: float) -> tuple[float, float]:
     """Return the width and height of a set: two lie flat, and need the height of one alone."""
     if count == 1:
-        return ALONE, ALONE
+        return _ALONE, _ALONE
     return 2.0 * radius + (
         _GAP if count == 2 else _NAMES
-    ), ALONE if count == 2 else 2.0 * radius + _GAP
+    ), _ALONE if count == 2 else 2.0 * radius + _GAP
 
 
 def _packed(
