@@ -50,6 +50,26 @@ def test_a_long_name_of_a_scenario_ends_within_the_film(space_plan: Plan) -> Non
     assert title.get_window_extent().x1 <= ax.figure.bbox.width
 
 
+def test_names_that_move_with_vehicles_stay_within_the_axes(flat_plan: Plan) -> None:
+    vehicles = [
+        replace(v, name=f"{v.name}, tender of the harbor master")
+        for v in flat_plan.scenario.vehicles
+    ]
+    flown = [replace(t, name=v.name) for t, v in zip(flat_plan.trajectories, vehicles, strict=True)]
+    scenario = replace(flat_plan.scenario, vehicles=vehicles, keep=(), obstacles=())
+    sets = tuple((v.name,) for v in vehicles)
+    plan = replace(flat_plan, scenario=scenario, sets=sets, trajectories=flown, couplings=())
+    film = animate_plan(plan, frames_per_step=1)
+    for frame in range(HORIZON + 1):
+        ax = drawn(film, frame)
+        ax.figure.draw_without_rendering()
+        names = [t for t in ax.findobj(Text) if t.get_text().endswith("master")]
+        assert len(names) == len(vehicles)
+        boxes = [text.get_window_extent() for text in names]
+        frame_of_all = ax.get_window_extent()
+        assert all(box.x0 >= frame_of_all.x0 and box.x1 <= frame_of_all.x1 for box in boxes)
+
+
 def test_vehicles_are_where_the_plan_has_them_at_every_step(flat_plan: Plan) -> None:
     film = animate_plan(flat_plan, frames_per_step=3)
     for step in range(HORIZON + 1):
