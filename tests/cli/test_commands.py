@@ -31,6 +31,13 @@ def test_help_lists_every_command(run: Run) -> None:
         assert f"\n  {command} " in result.stdout
 
 
+def test_a_folder_is_no_file_to_serve(run: Run, tmp_path: Path) -> None:
+    result = run("serve", str(tmp_path))
+    assert result.exit_code == 2
+    line = assert_one_line(result.stderr)
+    assert f"{tmp_path}: is a folder, not a file: use --folder" in line
+
+
 @pytest.mark.parametrize("words", [[], ["fly"], ["check"], ["plan", "a", "b"], ["--wrong"]])
 def test_wrong_usage_is_one_line_that_points_to_help(run: Run, words: list[str]) -> None:
     result = run(*words)

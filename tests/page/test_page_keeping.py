@@ -50,6 +50,8 @@ def test_a_connection_that_was_lost_comes_back_with_what_was_done_since(screen, 
     is_cut[0] = True
     lines[-1].close(code=1012)
     page.sees(LOST)
+    # What is said of it lies over no control.
+    page.page.get_by_role("tab", name="Plan").click(trial=True, timeout=5_000)
     change = [{"path": ["obstacles"], "value": []}]
     revision = server.state(document)["revision"]
     server.call("change", document=document, revision=revision, changes=change, label="Clear")
@@ -82,6 +84,9 @@ def test_what_is_opened_while_a_page_still_loads_stays(screen, server, answer):
     page = screen(slow, line=connected)
     # Messages pass only while the browser is asked for something.
     until(lambda: page.page.wait_for_timeout(20) or held)
+    if answer == "hello":
+        assert page.tab("Scene").inner_text() == "Opening …"
+        assert page.page.get_by_text("Nothing is open.").count() == 0
     page.button("Open or new").first.click()
     page.button("Empty scenario").click()
     empty = page.tab("Scene").get_by_text("0 vehicles, 0 obstacles")

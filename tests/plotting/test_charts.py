@@ -96,6 +96,38 @@ def test_a_long_name_of_a_coupling_graph_reaches_over_no_other(flat_plan: Plan) 
     assert not any(one.overlaps(two) for one, two in combinations(boxes, 2))
 
 
+@pytest.mark.parametrize("sizes", [(3, 2), (2, 2, 1), (1, 1, 1, 1, 1)])
+def test_long_names_of_a_coupling_graph_reach_over_no_others(
+    flat_plan: Plan, sizes: tuple[int, ...]
+) -> None:
+    names = [f"{k}-of-the-harbor-master-{k}" for k in range(sum(sizes))]
+    row = [make_vehicle(name, [2.0 * k, 0.0], [2.0 * k, 9.0]) for k, name in enumerate(names)]
+    scenario = replace(flat_plan.scenario, vehicles=tuple(row))
+    left = iter(names)
+    sets = tuple(tuple(next(left) for _ in range(size)) for size in sizes)
+    ax = plot_couplings(replace(flat_plan, scenario=scenario, sets=sets, couplings=()))
+    ax.figure.draw_without_rendering()
+    written = [artists(ax, f"name:{name}")[0] for name in names]
+    boxes = [text.get_window_extent() for text in written]
+    assert not any(one.overlaps(two) for one, two in combinations(boxes, 2))
+    assert len({text.get_text() for text in written}) == len(names)
+
+
+@pytest.mark.parametrize(("count", "letters"), [(60, 4), (24, 6), (30, 12)])
+def test_vehicles_planned_alone_have_names_where_these_have_room(
+    flat_plan: Plan, count: int, letters: int
+) -> None:
+    names = [f"v{k:0{letters - 1}d}" for k in range(count)]
+    row = [make_vehicle(name, [2.0 * k, 0.0], [2.0 * k, 9.0]) for k, name in enumerate(names)]
+    scenario = replace(flat_plan.scenario, vehicles=tuple(row), workspace=None)
+    sets = tuple((name,) for name in names)
+    ax = plot_couplings(replace(flat_plan, scenario=scenario, sets=sets, couplings=()))
+    ax.figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for n in names for text in artists(ax, f"name:{n}")]
+    assert len(boxes) == (count if letters < 12 else 0)
+    assert not any(one.overlaps(two) for one, two in combinations(boxes, 2))
+
+
 def test_names_of_a_coupling_graph_lie_on_no_edge(flat_plan: Plan) -> None:
     names = [f"agent{k}" for k in range(7)]
     row = [make_vehicle(name, [2.0 * k, 0.0], [2.0 * k, 9.0]) for k, name in enumerate(names)]

@@ -14,10 +14,12 @@ import pytest
 import shapely
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from PIL import Image
 
 from radmpc.errors import FileFormatError
 from radmpc.model.plan import Plan
+from radmpc.model.scenario import Workspace
 from radmpc.planners.paper.temporal import make_temporal_obstacle
 from radmpc.plotting import animate_plan, save_animation
 from radmpc.plotting.interpolation import interpolated_path, moving_outline
@@ -35,6 +37,37 @@ def drawn(film: object, frame: int) -> Axes:
     film._draw_was_started = True  # it is looked at here, frame by frame
     film._func(frame)
     return film._fig.axes[0]
+
+
+def test_a_long_name_of_a_scenario_ends_within_the_film(space_plan: Plan) -> None:
+    # Low and wide, axes in space begin far from the left; small letters are cut finely.
+    wide = Workspace(np.array([-40.0, -40.0, -5.0]), np.array([40.0, 40.0, 12.0]))
+    scenario = replace(space_plan.scenario, name="i" * 300, workspace=wide)
+    ax = drawn(animate_plan(replace(space_plan, scenario=scenario), frames_per_step=1), 0)
+    ax.figure.draw_without_rendering()
+    [title] = [t for t in ax.findobj(Text) if t.get_text().startswith("iii")]
+    assert title.get_text().splitlines()[0].endswith("…")
+    assert title.get_window_extent().x1 <= ax.figure.bbox.width
+
+
+def test_names_that_move_with_vehicles_stay_within_the_axes(flat_plan: Plan) -> None:
+    vehicles = [
+        replace(v, name=f"{v.name}, tender of the harbor master")
+        for v in flat_plan.scenario.vehicles
+    ]
+    flown = [replace(t, name=v.name) for t, v in zip(flat_plan.trajectories, vehicles, strict=True)]
+    scenario = replace(flat_plan.scenario, vehicles=vehicles, keep=(), obstacles=())
+    sets = tuple((v.name,) for v in vehicles)
+    plan = replace(flat_plan, scenario=scenario, sets=sets, trajectories=flown, couplings=())
+    film = animate_plan(plan, frames_per_step=1)
+    for frame in range(HORIZON + 1):
+        ax = drawn(film, frame)
+        ax.figure.draw_without_rendering()
+        names = [t for t in ax.findobj(Text) if t.get_text().endswith("master")]
+        assert len(names) == len(vehicles)
+        boxes = [text.get_window_extent() for text in names]
+        frame_of_all = ax.get_window_extent()
+        assert all(box.x0 >= frame_of_all.x0 and box.x1 <= frame_of_all.x1 for box in boxes)
 
 
 def test_vehicles_are_where_the_plan_has_them_at_every_step(flat_plan: Plan) -> None:

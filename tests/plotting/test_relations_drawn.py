@@ -66,6 +66,28 @@ def test_obstacles_for_some_look_otherwise_and_say_for_whom(draw) -> None:
     plt.close("all")
 
 
+def test_names_that_are_too_long_for_the_picture_are_shortened_within_it() -> None:
+    given = scenario()
+    shallows, net, rock = given.obstacles
+    named = replace(given.vehicles[0], name="boat of the harbor master, at anchor")
+    fleet = [named, given.vehicles[1]]
+    obstacles = [
+        only_for(replace(shallows, concerns=None), [v.name for v in fleet]),
+        replace(net, name="net that was lost by a trawler in the winter", concerns=None),
+        rock,
+    ]
+    ax = plot_scenario(replace(given, vehicles=fleet, obstacles=obstacles, keep=[]))
+    ax.figure.draw_without_rendering()
+    assert "shallows (only 2 vehicles)" in told(ax)
+    assert artist(ax, f"label:{obstacles[1].name}").get_text() == "net that was … in the winter"
+    assert artist(ax, f"label:{named.name}").get_text().startswith("boat of the")
+    frame = ax.get_window_extent()
+    for thing in (*obstacles, *fleet):
+        written = artist(ax, f"label:{thing.name}").get_window_extent()
+        assert written.x0 >= frame.x0
+        assert written.x1 <= frame.x1
+
+
 def test_a_range_is_a_line_where_the_two_are_farthest_apart() -> None:
     ax = plot_plan(coasting())
     line = artist(ax, "range:boat:barge").get_xydata()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 from matplotlib.markers import MarkerStyle
 
 from radmpc.model.plan import LedgerRow, Plan, Risk
@@ -121,6 +122,15 @@ def test_space_shows_shadows_and_few_ellipsoids_and_stars_in_front(space_plan: P
     (star,), (path,) = artists(ax, "goal:up"), artists(ax, "path:up")
     assert star.get_zorder() > path.get_zorder()
     assert len(artists(ax, "step:up:2")) == 1
+
+
+@pytest.mark.parametrize(("inches", "heads"), [(3.5, 2), (0.9, 1), (0.3, 0)])
+def test_a_path_has_as_many_arrow_heads_as_leave_it_to_be_seen(
+    flat_plan: Plan, inches: float, heads: int
+) -> None:
+    ax = Figure(figsize=(inches, inches)).add_axes((0.0, 0.0, 1.0, 1.0))
+    plot_plan(flat_plan, ax)
+    assert len(artists(ax, "arrow:b")) == heads
 
 
 def test_arrow_heads_are_narrow_point_along_the_path_and_stand_between_steps(

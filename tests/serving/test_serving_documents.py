@@ -113,6 +113,35 @@ def test_a_broken_file_shows_what_can_be_drawn_of_it(site):
     assert state["remarks"][0]["path"][:2] == ["vehicles", 1]
 
 
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ('name: "\\ud83d"', "name: must be text that UTF-8 can encode"),
+        ('"\\ud83d": 1', "keys must be text that UTF-8 can encode"),
+        ("dt: .nan", "dt: must be a finite number, got nan"),
+    ],
+)
+def test_a_file_that_no_page_can_be_told_is_refused_at_its_line(site, line, reason):
+    (site.folder / "half.yaml").write_text(f"format: radmpc/scenario/1\n{line}\n", "utf-8")
+    page = site.page()
+    with pytest.raises(CallFailedError, match=f"half.yaml:[12]: {reason}"):
+        page.call("open", path="half.yaml")
+    assert site.page().call("hello")["documents"] == []
+
+
+@pytest.mark.parametrize(
+    ("path", "value"), [(["name"], "\ud83d"), (["\ud83d"], 1), (["source"], {"\ud83d": 1})]
+)
+def test_half_a_character_is_no_change(harbor, path, value):
+    page, state = harbor
+    with pytest.raises(CallFailedError, match="text that UTF-8 can encode"):
+        page.call(
+            "change", document=state["document"], revision=state["revision"],
+            changes=[{"path": path, "value": value}],
+        )  # fmt: skip
+    assert page.call("state", document=state["document"])["revision"] == state["revision"]
+
+
 def test_saving_keeps_comments_and_reads_back_equal(site, harbor):
     page, state = harbor
     state = move(page, state, 2.5)

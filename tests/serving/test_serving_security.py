@@ -32,6 +32,7 @@ OUTSIDE = [
     "C:\\secret.yaml", "..\\secret.yaml", ".hidden.yaml", "a/.hidden/x.yaml", "x.yaml\0.txt",
     "x\n.yaml", "//x.yaml", "a//x.yaml", "x.py", "x.yaml/", "link.yaml", "linked/x.yaml",
     "harmless.yaml", "%2e%2e/secret.yaml", "~/x.yaml", "x" * 400 + ".yaml", "file:x.yaml", 3, None,
+    "x" * 280 + ".yaml", "ü" * 140 + ".yaml",
 ]  # fmt: skip
 
 
@@ -120,6 +121,12 @@ def test_the_server_serves_the_bundle_and_nothing_else(site, path):
     assert "import" not in text
 
 
+def test_a_name_that_no_file_can_have_is_not_found(tmp_path, quiet_crew):
+    (tmp_path / "bundle").mkdir()
+    with Site(tmp_path, tmp_path / "bundle") as site:
+        assert site.get(f"/{'x' * 300}.js")[0] == 404
+
+
 @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "OPTIONS", "TRACE"])
 def test_requests_change_nothing(site, method):
     assert site.get("/", method)[0] == 405
@@ -144,6 +151,12 @@ def test_files_of_the_folder_are_read_written_and_listed(folder):
     assert [entry["path"] for entry in folder.files()] == ["new.yaml", "own.yaml"]
 
 
+def test_a_file_whose_name_no_page_can_be_told_is_not_listed(folder):
+    os.close(os.open(os.fsencode(folder.root) + b"/k\xfcste.kml", os.O_CREAT))
+    (folder.root / "coast.kml").touch()
+    assert [entry["path"] for entry in folder.files()] == ["coast.kml", "own.yaml"]
+
+
 def test_a_file_that_cannot_be_written_is_told_without_its_place(folder, monkeypatch):
     place = folder.writable("new.yaml", ".yaml")
 
@@ -163,8 +176,9 @@ def test_a_file_that_cannot_be_written_is_told_without_its_place(folder, monkeyp
 def test_what_is_no_call_ends_the_socket_and_not_the_server(site, message):
     with site.connect() as line:
         line.send(message)
-        with pytest.raises(ConnectionClosed):
+        with pytest.raises(ConnectionClosed, match="not a call"):
             line.recv(timeout=10)
+    assert line.close_code == 1003
     assert site.page().call("files") == []
 
 

@@ -10,7 +10,7 @@ import { dialog, take } from "./files/saving";
 import { FlightRegion, PlanRegion, RiskRegion, TimelineRegion } from "./panels/wiring";
 import { Scene } from "./scene/scene";
 import { document as opened } from "./state/document";
-import { hello, notice, sheet, tab, type Tab } from "./state/session";
+import { hello, notice, OPENING, sheet, tab, type Tab } from "./state/session";
 import { Toolbar } from "./toolbar";
 
 const TABS: readonly (readonly [Tab, string])[] = [
@@ -39,10 +39,10 @@ export function Shell() {
       }}
     >
       <Toolbar />
-      <LineState />
       <main class="map">
         <Scene />
         <Welcome />
+        <LineState />
       </main>
       <Side />
       <footer class="timeline" aria-label="Time">
@@ -127,9 +127,18 @@ function SheetButton() {
   );
 }
 
-/** With nothing open, the way in. */
+/** With nothing open, the way in; before that is known, what is waited for. */
 function Welcome() {
-  if (opened.value !== null || hello.value === null) return null;
+  if (opened.value !== null) return null;
+  if (hello.value === null) {
+    // The file that the command names is read, and a plan in it judged, before the server answers.
+    if (line.value === "refused") return null;
+    return (
+      <div class="welcome">
+        <p role="status">{OPENING}</p>
+      </div>
+    );
+  }
   return (
     <div class="welcome">
       <p>Nothing is open.</p>

@@ -15,8 +15,9 @@ from radmpc.model.plan import Coupling, Plan
 from radmpc.model.relations.couplings import unexplained_sets
 from radmpc.plotting.artists.flat import Color
 from radmpc.plotting.artists.obstacles import patch_of
-from radmpc.plotting.canvas.figure import check_axes, settle_layout
+from radmpc.plotting.canvas.figure import check_axes, points_per_unit, settle_layout
 from radmpc.plotting.canvas.headline import PLAIN, write_headline
+from radmpc.plotting.canvas.labels import LETTER, shortened
 from radmpc.plotting.canvas.style import (
     COLUMN_WIDTH,
     LABEL_SIZE,
@@ -64,8 +65,12 @@ _UNNUMBERED = {
 }
 """The same where there are too many for numbers."""
 
-_MOST_LETTERS = 16
-"""Letters of a name that is written in full [-]; of longer ones both ends are."""
+_MOST_LETTERS, _LEAST_LETTERS = 16, 5
+"""Letters of a name that is written in full [-]; of longer ones both ends are. Where names would
+reach over others they have fewer, down to the least."""
+
+_AWAY = 4.5
+"""Distance from a vehicle to its name [pt]."""
 
 _FRAME = 0.75
 """Height of title, facts and margins [in]."""
@@ -168,7 +173,8 @@ def _draw_vehicles(
 ) -> None:
     """Draw a dot per vehicle in its color of the plan's picture, with its name if there is room."""
     colors = vehicle_colors([v.name for v in plan.scenario.vehicles], plan.sets)
-    is_named = len(place_of) <= MAX_LABELS
+    letters = _letters(ax, place_of, outward)
+    is_named = len(place_of) <= MAX_LABELS or all(len(name) <= letters for name in place_of)
     for name, place in place_of.items():
         ax.plot(
             *place[:, None], linestyle="none", marker="o", markersize=7.0 if is_named else 4.0,
@@ -176,27 +182,36 @@ def _draw_vehicles(
             gid=f"vehicle:{name}",
         )  # fmt: skip
         if is_named:
-            _write_name(ax, name, place, outward[name], colors[name])
+            _write_name(ax, name, letters, place, outward[name], colors[name])
 
 
-def _write_name(ax: Axes, name: str, place: Vector, outward: Vector, color: Color) -> None:
+def _letters(ax: Axes, place_of: dict[str, Matrix], outward: dict[str, Vector]) -> int:
+    """Return how many letters names may have so that none reaches over another [-]."""
+    away = np.array([outward[name] for name in place_of])
+    places = np.array(list(place_of.values())) * points_per_unit(ax) + _AWAY * away
+    sides = np.where(np.abs(away) < _UPRIGHT, 0.0, np.sign(away))
+    for letters in range(_MOST_LETTERS, _LEAST_LETTERS, -1):
+        lengths = [len(shortened(name, letters)) for name in place_of]
+        half = 0.5 * LABEL_SIZE * np.array([(LETTER[0] * n, LETTER[1]) for n in lengths])
+        boxes = shapely.box(*(places + (sides - 1.0) * half).T, *(places + (sides + 1.0) * half).T)
+        if len(shapely.STRtree(boxes).query(boxes, "intersects")[0]) == len(boxes):
+            return letters  # each meets itself alone
+    return _LEAST_LETTERS
+
+
+def _write_name(
+    ax: Axes, name: str, letters: int, place: Vector, outward: Vector, color: Color
+) -> None:
     """Write a name outside of its set's circle, where no edge is."""
     right, up = outward
     ax.annotate(
-        _shortened(name), (float(place[0]), float(place[1])), xytext=(4.5 * right, 4.5 * up),
-        textcoords="offset points", fontsize=LABEL_SIZE, color=color, zorder=5,
+        shortened(name, letters), (float(place[0]), float(place[1])),
+        xytext=(_AWAY * right, _AWAY * up), textcoords="offset points",
+        fontsize=LABEL_SIZE, color=color, zorder=5,
         ha="center" if abs(right) < _UPRIGHT else "left" if right > 0.0 else "right",
         va="center" if abs(up) < _UPRIGHT else "bottom" if up > 0.0 else "top",
         gid=f"name:{name}", path_effects=[withStroke(linewidth=1.4, foreground="white")],
     )  # fmt: skip
-
-
-def _shortened(name: str) -> str:
-    """Return a name, without its middle where it would reach over its neighbors'."""
-    if len(name) <= _MOST_LETTERS:
-        return name
-    end = _MOST_LETTERS // 2
-    return f"{name[: _MOST_LETTERS - end - 1]}…{name[-end:]}"
 
 
 def _darkness(coupling: Coupling) -> float:

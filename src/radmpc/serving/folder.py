@@ -144,6 +144,12 @@ class Folder:
         if not path.lower().endswith(suffixes):
             raise refused(f"{path}: must end in {', '.join(suffixes)}")
         place = Path(os.path.realpath(self.root.joinpath(*parts)))
+        try:
+            place.lstat()
+        except (FileNotFoundError, NotADirectoryError):
+            pass  # what that means is for those who ask
+        except OSError as error:  # such as a name that is too long
+            raise refused(f"{path}: {error.strerror or type(error).__name__}") from error
         if not place.is_relative_to(self.root) or not place.name.lower().endswith(suffixes):
             raise refused("a path must lead into the folder, without '..' and hidden names")
         return place
@@ -159,6 +165,8 @@ class Folder:
                 if seen > _MOST_SEEN:
                     return
                 if place.name.startswith(".") or place.name in _SKIPPED or place.is_symlink():
+                    continue
+                if not place.name.isprintable():  # nor could it be opened by that name
                     continue
                 if not place.is_dir():
                     yield place

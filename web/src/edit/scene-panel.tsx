@@ -3,6 +3,7 @@
 import { useComputed } from "@preact/signals";
 import { document, remarks } from "../state/document";
 import { selected } from "../state/selection";
+import { whyEmpty } from "../state/session";
 import { startsWith } from "./paths";
 import { Outline } from "./outline";
 import { Properties } from "./properties";
@@ -13,7 +14,7 @@ const MAX_REMARKS = 20;
 
 export function ScenePanel() {
   const isOpen = useComputed(() => document.value !== null).value;
-  if (!isOpen) return <p class="empty">Nothing is open.</p>;
+  if (!isOpen) return <p class="empty">{whyEmpty()}</p>;
   return (
     <>
       <RemarkList />

@@ -12,7 +12,7 @@ import { flight, flights } from "../state/flights";
 import { flip, switches } from "../state/layers";
 import { compared, comparedId, shown, shownId, shownTrails, summaries } from "../state/plans";
 import { dt, horizon, isPlaying, seek, speed, time } from "../state/playback";
-import { hello } from "../state/session";
+import { hello, whyEmpty } from "../state/session";
 import { replans } from "./account";
 import * as asking from "./asking";
 import { Compare } from "./compare";
@@ -34,7 +34,7 @@ asking.follow();
 const points = computed(() => pricePoints(summaries.value, document.value?.revision ?? -1));
 
 export function PlanRegion() {
-  if (document.value === null) return <p class="p-block p-empty">Nothing is open.</p>;
+  if (document.value === null) return <p class="p-block p-empty">{whyEmpty()}</p>;
   return (
     <>
       <DeltaPart />

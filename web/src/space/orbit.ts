@@ -11,6 +11,14 @@ const ZOOM = 1.15; // of a key
 const STEEPEST = Math.PI / 2 - 0.02;
 const FIELD = 35; // of view, upright [°]
 
+const FILLED = 0.84; // of the picture, by what is fitted: numbers stand beside it
+
+/** The eight corners of a box. */
+function cornersOf(low: Vector3, high: Vector3): Vector3[] {
+  const [xs, ys, zs] = [[low.x, high.x], [low.y, high.y], [low.z, high.z]] as const;
+  return xs.flatMap((x) => ys.flatMap((y) => zs.map((z) => new Vector3(x, y, z))));
+}
+
 export class Orbit {
   readonly camera = new PerspectiveCamera(FIELD, 1, 0.1, 1000);
   readonly #target = new Vector3();
@@ -48,8 +56,16 @@ export class Orbit {
     const high = new Vector3(...point(box.max));
     this.#target.addVectors(low, high).multiplyScalar(0.5);
     this.#size = Math.max(low.distanceTo(high), 1e-3);
-    const half = Math.min(1, this.camera.aspect) * Math.tan((FIELD * Math.PI) / 360);
-    this.#distance = (0.45 * this.#size) / Math.sin(Math.atan(half));
+    this.#distance = this.#size;
+    this.#place();
+    // From here on the camera only draws back, so that corners stay where they are beside it.
+    const up = FILLED * Math.tan((FIELD * Math.PI) / 360);
+    const across = up * this.camera.aspect;
+    const farthest = cornersOf(low, high).map((corner) => {
+      const { x, y, z } = corner.applyMatrix4(this.camera.matrixWorldInverse);
+      return this.#size + z + Math.max(Math.abs(x) / across, Math.abs(y) / up);
+    });
+    this.#distance = Math.max(...farthest);
     this.#place();
   }
 

@@ -6,6 +6,14 @@ import type { Hello, Judging } from "../protocol";
 
 export const hello = signal<Hello | null>(null);
 
+/** What is shown until the server has said it. */
+export const OPENING = "Opening …";
+
+/** Why there is no document. */
+export function whyEmpty(): string {
+  return hello.value === null ? OPENING : "Nothing is open.";
+}
+
 /** One line that something went wrong, or was done; shown until the next one or a click. */
 export interface Notice {
   readonly text: string;

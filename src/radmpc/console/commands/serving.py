@@ -60,6 +60,8 @@ def run_serve(source: Path | None, port: int, folder: Path | None, *, opens: boo
 
 def _name(source: Path, folder: Path) -> str:
     """Return a file's path within the folder."""
+    if source.is_dir():
+        raise FileFormatError(f"{source}: is a folder, not a file: use --folder {source}")
     if not source.is_file():
         raise FileFormatError(f"{source}: there is no such file")
     place = source.resolve()

@@ -31,7 +31,8 @@ def plain_mapping(value: Mapping[str, object], path: Path) -> dict[str, object]:
     Raises
     ------
     ScenarioError
-        If it holds anything else, numbers that are not finite, or too many levels.
+        If it holds anything else, numbers that are not finite, halves of characters, or too many
+        levels.
     """
     if len(path) > _MAX_DEPTH:
         raise ScenarioError(f"must not be nested deeper than {_MAX_DEPTH} levels", path[:1])
@@ -39,6 +40,8 @@ def plain_mapping(value: Mapping[str, object], path: Path) -> dict[str, object]:
     for key, entry in value.items():
         if not isinstance(key, str):
             raise ScenarioError(f"keys must be text, got {shown(key)}", path)
+        if not _is_whole(key):
+            raise ScenarioError("keys must be text that UTF-8 can encode", path)
         result[key] = _plain(entry, (*path, key))
     return result
 
@@ -47,6 +50,8 @@ def _plain(value: object, path: Path) -> object:
     """Return one value as plain data."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
+    if isinstance(value, str) and not _is_whole(value):
+        raise ScenarioError("must be text that UTF-8 can encode", path)
     if value is None or isinstance(value, str | bool | int):
         return value
     if isinstance(value, float):
@@ -60,3 +65,12 @@ def _plain(value: object, path: Path) -> object:
             raise ScenarioError(f"must not be nested deeper than {_MAX_DEPTH} levels", path[:1])
         return [_plain(item, (*path, i)) for i, item in enumerate(value)]
     raise ScenarioError(f"must be plain data, got {shown(value)}", path)
+
+
+def _is_whole(text: str) -> bool:
+    """Whether a file can hold a text: no halves of characters."""
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True

@@ -9,6 +9,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
 from radmpc.arrays import Matrix
+from radmpc.plotting.canvas.figure import points_per_unit
 from radmpc.plotting.curves import point_along
 
 __all__ = ["draw_arrows"]
@@ -19,19 +20,22 @@ _LENGTH = 8.5
 _HEAD = Path([(1.0, 0.0), (-1.0, 0.48), (-0.75, 0.0), (-1.0, -0.48), (1.0, 0.0)], closed=True)
 """Of length 2, to the right."""
 
-_SHARES = (0.3, 0.7)
-"""Where the heads are, about, as shares of a path's length [-]."""
+_SHARES = ((), (0.5,), (0.3, 0.7))
+"""Where none, one and two heads are, about, as shares of a path's length [-]."""
+
+_ROOM = 2.5
+"""Length of a path for each of its heads at least, in lengths of a head [-]."""
 
 
 def draw_arrows(
     ax: Axes, path: Matrix, steps: Matrix, color: tuple[float, float, float], name: str
 ) -> None:
-    """Draw two arrow heads on a path, each halfway between two steps.
+    """Draw two arrow heads on a path, each halfway between two steps; fewer where it is short.
 
     Parameters
     ----------
     ax : Axes
-        With equal scales.
+        With equal scales, its limits set.
     path : (p, 2) array
         The path [m].
     steps : (s, 2) array
@@ -43,7 +47,8 @@ def draw_arrows(
     """
     lengths = np.linalg.norm(np.diff(steps, axis=0), axis=1)
     ends = np.cumsum(lengths)
-    for share in _SHARES:
+    room = float(ends[-1]) * points_per_unit(ax) / (_ROOM * _LENGTH)
+    for share in _SHARES[min(int(room), 2)]:
         k = min(int(np.searchsorted(ends, share * ends[-1])), len(ends) - 1)
         found = point_along(path, (ends[k] - 0.5 * lengths[k]) / max(float(ends[-1]), 1e-12))
         if found is None:

@@ -137,7 +137,7 @@ def name_obstacle(obstacle: Obstacle, board: LabelBoard, plane: Plane = ABOVE) -
     largest = max(obstacle.steps[0], key=lambda p: (seen(p, plane).area, seen(p, plane).length))
     corners = largest.vertices[:, list(plane)]
     half_size, center = 0.5 * np.ptp(corners, axis=0), corners.mean(axis=0)
-    text, gid = name_text(obstacle), f"label:{obstacle.name}"
+    text, gid = name_text(obstacle, board.most_letters()), f"label:{obstacle.name}"
     outline = seen(largest, plane)
     is_still = len(obstacle.steps) == 1 and isinstance(outline, shapely.Polygon)
     if not (is_still and board.within(text, outline, MUTED, gid=gid)):

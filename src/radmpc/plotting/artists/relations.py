@@ -13,9 +13,11 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
+from radmpc.plotting.canvas.labels import shortened
 from radmpc.plotting.canvas.space_labels import Board, SpaceBoard
 from radmpc.plotting.canvas.style import MUTED, NUMBER_SIZE
 from radmpc.plotting.curves import ABOVE, Plane, positions
+from radmpc.wording import count_text
 
 __all__ = ["FOR_SOME", "PASSED", "RANGE_DASHES", "draw_ranges", "name_text"]
 
@@ -31,21 +33,32 @@ RANGE_DASHES = (0, (1, 1.5))
 _MOST_NAMED = 3
 """Vehicles that a label names [-]."""
 
+_FEWEST = 5
+"""Letters of a name that are left before a number of vehicles [-]."""
 
-def name_text(obstacle: Obstacle) -> str:
+
+def name_text(obstacle: Obstacle, letters: int | None = None) -> str:
     """Return an obstacle's name, and whom it is for where that is not everybody.
 
     Parameters
     ----------
     obstacle : Obstacle
         Of a scenario.
+    letters : int or None
+        Beyond these vehicles are counted in place of named, and of a name that is still too long
+        both ends are returned. None is as many as it takes.
     """
     whom = obstacle.concerns
     if whom is None:
-        return obstacle.name
+        return obstacle.name if letters is None else shortened(obstacle.name, letters)
     hidden = len(whom.names) - _MOST_NAMED
     names = ", ".join(whom.names[:_MOST_NAMED]) + (f" and {hidden} more" if hidden > 0 else "")
-    return f"{obstacle.name} ({'not' if whom.are_exempt else 'only'} {names})"
+    word = "not" if whom.are_exempt else "only"
+    text = f"{obstacle.name} ({word} {names})"
+    if letters is None or len(text) <= letters:
+        return text
+    counted = f" ({word} {count_text(len(whom.names), 'vehicle')})"
+    return shortened(obstacle.name, max(letters - len(counted), _FEWEST)) + counted
 
 
 def draw_ranges(

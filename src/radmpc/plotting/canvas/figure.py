@@ -27,6 +27,7 @@ __all__ = [
     "fill",
     "new_axes",
     "new_figure",
+    "points_per_unit",
     "ratio_in_space",
     "settle_axes",
     "settle_layout",
@@ -169,6 +170,20 @@ def settle_axes(ax: Axes, extent: Matrix, plane: Plane = ABOVE) -> None:
     ax.set_aspect("equal", adjustable="box")
     for spine in ax.spines.values():
         spine.set_linewidth(0.5)
+
+
+def points_per_unit(ax: Axes) -> float:
+    """Return the length of a unit of flat axes in the figure, on the shorter axis [pt].
+
+    Parameters
+    ----------
+    ax : Axes
+        Its limits and size are final.
+    """
+    pixels = np.diff(ax.transData.transform([[0.0, 0.0], [1.0, 1.0]]), axis=0)
+    figure = ax.get_figure(root=True)
+    # Axes that were taken off their figure are drawn on none.
+    return 0.0 if figure is None else float(pixels.min()) * 72.0 / figure.dpi
 
 
 def settle_layout(ax: Axes) -> None:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure, SubFigure
 from radmpc.plotting.canvas.figure import DPI, new_figure
 from radmpc.plotting.canvas.style import TITLE_SIZE
 
-__all__ = ["PLAIN", "figure_headline", "shorten", "write_headline"]
+__all__ = ["PLAIN", "cut_headline", "figure_headline", "shorten", "write_headline"]
 
 _BESIDE = 0.4
 """Width of ticks and label left of axes, which a headline does not stand above [in]."""
@@ -46,10 +46,30 @@ def write_headline(ax: Axes, name: str, ending: str = "") -> None:
         if len(figure.axes) == 1:
             width = figure.bbox.width / figure.dpi - _BESIDE
         name, ending = shorten(name, float(width), ending), ""
+    _set_title(ax, name + ending)
+
+
+def cut_headline(ax: Axes) -> None:
+    """Cut a headline once more after the layout: axes in space begin far from the left.
+
+    Parameters
+    ----------
+    ax : Axes
+        Where they are to stay, with a headline of which the first line may be cut.
+    """
+    figure = ax.get_figure(root=True)
+    if figure is None:
+        return
+    first, *below = ax.get_title(loc="left").split("\n")
+    width = float(figure.bbox.width - ax.get_window_extent().x0) / figure.dpi - _MARGINS
+    _set_title(ax, "\n".join([shorten(first, width), *below]))
+
+
+def _set_title(ax: Axes, text: str) -> None:
+    """Write a headline as it is."""
     ax.set_title(
-        name + ending, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0,
-        parse_math=False,
-    )  # fmt: skip
+        text, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0, parse_math=False
+    )
 
 
 def figure_headline(figure: Figure | SubFigure, name: str) -> str:

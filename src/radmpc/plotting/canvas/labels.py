@@ -23,7 +23,7 @@ from radmpc.plotting.canvas.places import (
 from radmpc.plotting.canvas.style import LABEL_SIZE
 from radmpc.records import dataclass, field
 
-__all__ = ["LETTER", "LabelBoard"]
+__all__ = ["LETTER", "LabelBoard", "shortened"]
 
 # Width and height of a letter in units of the font size: rough, and always a little too wide.
 LETTER = (0.62, 1.25)
@@ -35,6 +35,25 @@ _FRAME: dict[str, Any] = {
 """Looks of a frame around a text; its box style in units of the font size [-]."""
 _ROUNDING = 1e-9
 """By how much a text may reach out of what it lies in [m]."""
+
+_WIDEST = 0.5
+"""Width of a name at most, as a share of the axes': it stands beside what it names [-]."""
+
+
+def shortened(text: str, letters: int) -> str:
+    """Return a text without its middle where it has more letters: both ends tell it from others.
+
+    Parameters
+    ----------
+    text : str
+        One line.
+    letters : int
+        How many there may be.
+    """
+    if len(text) <= letters:
+        return text
+    end = letters // 2
+    return f"{text[: letters - end - 1]}…{text[-end:]}"
 
 
 @dataclass(slots=True)
@@ -77,6 +96,11 @@ class LabelBoard:
         left, right = self.axes.get_xlim()
         scale = (right - left) / (max(window.width, 1.0) / pixels_per_point)
         return np.array([LETTER[0] * len(text), LETTER[1]]) * size * scale
+
+    def most_letters(self) -> int:
+        """Return how many letters a name may have [-]."""
+        left, right = self.axes.get_xlim()
+        return max(int(_WIDEST * (right - left) / self.size("m")[0]), 3)
 
     def within(
         self,
@@ -179,7 +203,7 @@ class LabelBoard:
         Parameters
         ----------
         text : str
-            The name.
+            The name; of one that is too long for the axes, both ends are written.
         center : (2,) array
             Of the start [m].
         radius : float
@@ -189,12 +213,13 @@ class LabelBoard:
         rivals : sequence of (4,) array
             Boxes around starts and goals of others: x0, y0, x1, y1 [m].
         """
-        half_text, hull = 0.5 * self.size(text), np.full(2, radius)
+        written, hull = shortened(text, self.most_letters()), np.full(2, radius)
+        half_text = 0.5 * self.size(written)
         found = best_name_place(center, hull, half_text, self._around(rivals))
         if found is None:
             return
         place, is_led = found
-        self.put(text, place, color)
+        self.put(written, place, color, gid=f"label:{text}")
         if is_led:
             self._lead(text, nearest_in(self.boxes[-1], center), center, radius, color)
 

@@ -24,6 +24,7 @@ from radmpc.plotting.artists.straying import (
     rings_artist,
     spread_rings,
 )
+from radmpc.plotting.canvas.labels import LabelBoard, shortened
 from radmpc.plotting.canvas.style import (
     LABEL_SIZE,
     MAX_LABELS,
@@ -124,8 +125,13 @@ class _FlatVehicle:
         for patch in (self.box, self.region, self.hull):
             ax.add_patch(patch)
         [self.trail] = ax.plot([], [], color=color, linewidth=1.0, zorder=5, gid=f"trail:{name}")
+        board = LabelBoard(ax)
+        written = shortened(name, board.most_letters())
+        left, right = ax.get_xlim()
+        half = 0.5 * float(board.size(written)[0])
+        self.reach = left + half, right - half  # of a name's middle, so that all can be read
         self.name = ax.annotate(
-            name if is_named else "", (0.0, 0.0), fontsize=LABEL_SIZE, color=color, ha="center",
+            written if is_named else "", (0.0, 0.0), fontsize=LABEL_SIZE, color=color, ha="center",
             va="center", zorder=10, xytext=(0.0, 7.0), textcoords="offset points",
             path_effects=[withStroke(linewidth=1.4, foreground="white")],
         )  # fmt: skip
@@ -137,7 +143,7 @@ class _FlatVehicle:
         self.region.set_xy(place + 3.0 * (self.path.roots[frame] @ _CIRCLE).T)
         self.box.set_xy(self.path.boxes[min(int(time), len(self.path.boxes) - 1)])
         self.trail.set_data(*self.path.positions[: frame + 1].T)
-        self.name.xy = (float(place[0]), float(place[1]))
+        self.name.xy = (float(np.clip(place[0], *self.reach)), float(place[1]))
 
 
 class _SolidVehicle:

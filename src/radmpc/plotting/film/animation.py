@@ -21,7 +21,7 @@ from radmpc.model.plan import Plan
 from radmpc.plotting.artists.legend import draw_film_legend, num_film_legend_lines
 from radmpc.plotting.canvas.extent import plan_extent
 from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
-from radmpc.plotting.canvas.headline import PLAIN
+from radmpc.plotting.canvas.headline import PLAIN, cut_headline
 from radmpc.plotting.canvas.space_labels import board_of
 from radmpc.plotting.canvas.style import LABEL_SIZE, MUTED, vehicle_colors
 from radmpc.plotting.canvas.title import draw_title, num_title_lines
@@ -162,6 +162,7 @@ def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
         draw_film_legend(axes, plan)
     settle_layout(axes)
     if ax is None:
+        cut_headline(axes)
         # Laid out once: a layout per frame would take longer than the frames.
         figure.set_layout_engine("none")
     scenario = plan.scenario

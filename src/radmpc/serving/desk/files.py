@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from radmpc.errors import ScenarioError
 from radmpc.io.text.yaml_text import read_yaml
 from radmpc.model.plan import Plan
 from radmpc.serving.desk import arguments as given
@@ -199,7 +200,16 @@ async def exported(desk: Desk, args: Args) -> object:
     kind = given.text(args, "format")
     if kind not in _EXPORTS:
         raise refused(f"format must be one of {', '.join(_EXPORTS)}")
-    name, content = await asyncio.to_thread(_export, kept.plan, kind)
+    try:
+        name, content = await asyncio.to_thread(_export, kept.plan, kind)
+    except ScenarioError as error:
+        if error.path != ("origin",):
+            raise
+        raise refused(
+            f"{kind} needs the plan's place on earth: state it in the scenario's file as "
+            "'source: {origin: {latitude: …, longitude: …}}', or save the plan and use "
+            "radmpc export --origin"
+        ) from error
     return {"name": name, "base64": base64.b64encode(content).decode("ascii")}
 
 

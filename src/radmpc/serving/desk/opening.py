@@ -8,6 +8,7 @@ from pathlib import Path
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.flight.flight_file import is_flight
 from radmpc.io.native.encoding import encode_scenario
+from radmpc.io.native.plain import plain_mapping
 from radmpc.io.native.plan_file import decode_plan
 from radmpc.io.ranges import PLAN_FORMAT, SCENARIO_FORMAT
 from radmpc.io.text.document import read_document
@@ -71,7 +72,7 @@ def read_file(path: Path, name: str) -> Opened:
     ------
     CallError
         With one line that names file, line, field, value and what is allowed; of a scenario with
-        wrong values, none: they can be put right on the page.
+        wrong values, none: they can be put right on the page, unless JSON cannot tell them.
     """
     try:
         if path.stat().st_size > _MOST_BYTES:
@@ -106,6 +107,11 @@ def _document(path: Path) -> Opened:
         return Opened(encode_scenario(plan.scenario), plan=plan)
     if kind != SCENARIO_FORMAT:
         raise CallError("refused", f"format must be {SCENARIO_FORMAT} or {PLAN_FORMAT}", ["format"])
+    try:
+        # What no page can be told cannot be put right there, either.
+        value = plain_mapping(value, ())
+    except ScenarioError as error:
+        raise document.failure(error) from error
     is_yaml = path.suffix.lower() != ".json"
     return Opened(value, Original(document.text) if is_yaml else None, is_scenario=True)
 

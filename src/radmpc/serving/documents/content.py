@@ -38,6 +38,10 @@ def check_changes(changes: object) -> list[Change]:
         )
         if not is_path or not change.keys() <= {"path", "value"}:
             raise refused("a change must be a path of keys and indices, and a value")
+        try:
+            plain_mapping({key: None for key in keys if isinstance(key, str)}, ())
+        except ScenarioError as error:
+            raise refused(error.message) from error
     return changes
 
 

@@ -100,7 +100,7 @@ class _Site:
         name = request.path_params["name"]
         place = self.bundle / name
         # One folder, without folders in it: a name is a file's or none.
-        is_ours = place.suffix in _TYPES and place.name == name and place.is_file()
+        is_ours = place.suffix in _TYPES and place.name == name and _is_file(place)
         if not is_ours or place.is_symlink():
             return PlainTextResponse("not found", 404)
         return FileResponse(place, media_type=_TYPES[place.suffix])
@@ -115,6 +115,14 @@ class _Site:
             await websocket.close(REFUSED, "another token")
             return
         await self.pages.serve(websocket, self.desk)
+
+
+def _is_file(place: Path) -> bool:
+    """Whether there is a file: none has a name that is too long."""
+    try:
+        return place.is_file()
+    except OSError:
+        return False
 
 
 class _Guarded:

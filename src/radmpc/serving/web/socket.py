@@ -32,12 +32,16 @@ _MOST_OPEN = 32
 _MOST_QUEUED = 512
 """Messages that wait for a page to read them; a page that reads no more is let go."""
 
-_TOO_SLOW, _TOO_MANY = 1013, 1013
+_TOO_SLOW, _TOO_MANY, _NO_CALL = 1013, 1013, 1003
 
 
 def _dumped(message: object) -> str:
-    """Return a message as text."""
-    return json.dumps(message, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+    """Return a message as text, "?" for what UTF-8 cannot encode, such as some names of folders.
+
+    A message that cannot be sent would end the connection, and every one that tells of the same.
+    """
+    text = json.dumps(message, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+    return text if text.isascii() else text.encode("utf-8", "replace").decode("utf-8")
 
 
 class Page:
@@ -55,6 +59,7 @@ class Page:
         self.rate = Rate(_PER_SECOND, _AT_ONCE)
         self.calls: set[asyncio.Task[None]] = set()
         self.is_slow = asyncio.Event()
+        self.is_wrong = False
 
     def put(self, text: str) -> None:
         """Have a message sent, unless the page does not read."""
@@ -119,16 +124,22 @@ class Pages:
             await asyncio.gather(*tasks, return_exceptions=True)
         if page.is_slow.is_set():
             await socket.close(_TOO_SLOW, "too slow")
+        elif page.is_wrong:
+            await socket.close(_NO_CALL, "not a call")
 
     async def _receive(self, page: Page, desk: Desk) -> None:
         """Take calls, each answered in its own time."""
         while True:
             try:
                 text = await page.socket.receive_text()
-            except (WebSocketDisconnect, KeyError):  # KeyError: bytes, which no page of ours sends
+            except WebSocketDisconnect:
+                return
+            except KeyError:  # bytes, which no page of ours sends
+                page.is_wrong = True
                 return
             number, name, args = _parsed(text)
             if number is None:
+                page.is_wrong = True
                 return
             if not page.rate.takes() or len(page.calls) >= _MOST_OPEN:
                 failure = CallError("limit", "too many calls: wait a moment").failure
