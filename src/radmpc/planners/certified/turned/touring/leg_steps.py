@@ -139,7 +139,7 @@ def _legs(model: CondensedModel, steps: Sequence[Indices]) -> list[_Leg]:
     boxes.insert(0, (model.drift_position[0], np.zeros(vehicle.system.dimension)))
     most = np.inf if vehicle.speed_limit is None else vehicle.speed_limit
     coasting = model.drift_velocity
-    legs = []
+    legs: list[_Leg] = []
     for (here, wide), (there, wider), at in zip(boxes, boxes[1:], pairwise(steps), strict=False):
         begin, end = here - model.drift_position[at[0]], there - model.drift_position[at[1]]
         away = end - begin[:, None]
