@@ -63,7 +63,7 @@ def test_every_piece_of_a_line_that_leaves_the_area_is_flown() -> None:
         ({"area": [[0.0, 0.0], [1.0, 1.0]]}, "survey.area: must have three corners or more"),
         ({"area": [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]}, "survey.area: must have three corners"),
         ({"half_width": -1.0}, "survey.half_width: must be >= 0 m"),
-        ({"altitude": 3.0}, "via[0]: must have 2 coordinates like the position, got 3"),
+        ({"altitude": 3.0}, "survey.altitude: must be left out in the plane, got 3"),
         ({"spacing": 0.01}, "survey: must have at most 200 visits with those of via, got"),
     ],
 )
@@ -91,8 +91,30 @@ def test_surveys_in_files_become_visits_or_are_refused(changes, told: str) -> No
     assert np.array_equal(via[1].lower, survey_visits(FIELD, 3.0)[0].lower)
     assert len(to_dict(given)["vehicles"][0]["via"]) == 7
     spoiled = {**vehicle, "survey": {**vehicle["survey"], **changes}}
-    if "altitude" in changes:
-        del spoiled["via"]
     with pytest.raises(ScenarioError) as refusal:
         from_dict({**content, "vehicles": [spoiled]})
     assert told in str(refusal.value)
+
+
+def test_surveys_in_space_need_an_altitude() -> None:
+    vehicle = {
+        "name": "a",
+        "start": [0.0, 0.0, 2.0],
+        "goal": {"center": [10.0, 0.0, 2.0]},
+        "radius": 0.3,
+        "control_limit": 2.0,
+        "survey": {"area": FIELD, "spacing": 3.0},
+    }
+    content = {
+        "format": "radmpc/scenario/1",
+        "name": "survey",
+        "dt": 1.0,
+        "horizon": 30,
+        "risk_bound": 0.01,
+        "vehicles": [vehicle],
+    }
+    with pytest.raises(ScenarioError) as refusal:
+        from_dict(content)
+    assert str(refusal.value) == "vehicles[0].survey.altitude: is required in space"
+    vehicle["survey"]["altitude"] = 2.0
+    assert from_dict(content).vehicles[0].via[0].center[2] == 2.0

@@ -161,6 +161,14 @@ def test_what_only_the_whole_norm_reaches_aside_of_the_goal_is_planned() -> None
     assert radmpc.certify(radmpc.plan(aside, rng=0).require()).holds
 
 
+@pytest.mark.parametrize("within", [[4, 4], [2, 4]])
+def test_what_only_the_whole_norm_reaches_within_a_window_is_planned(within: list[int]) -> None:
+    aside = flown("control_limit", CORNER, [1.99, 1.99, -1.99, -1.99], speeds=[0.0, 0.3])[0]
+    content = radmpc.to_dict(aside)
+    content["vehicles"][0]["goal"]["within"] = within
+    assert radmpc.certify(radmpc.plan(radmpc.from_dict(content), rng=0).require()).holds
+
+
 def test_where_only_the_polytope_is_too_small_that_is_said_and_rules_nothing_out() -> None:
     scenario, _ = flown("control_limit", CORNER, [1.99, 1.99, -1.99, -1.99], speeds=[0.0, 0.3])
     content = radmpc.to_dict(scenario)

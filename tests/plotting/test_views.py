@@ -14,6 +14,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.errors import ArgumentError, ArgumentTypeError
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
 from radmpc.plotting import (
     Panel,
     plot_distances,
@@ -27,7 +28,7 @@ from radmpc.plotting import (
 from radmpc.plotting.artists.ghosts import nearest_ghosts
 from radmpc.plotting.canvas.figure import drawn_box
 
-from .conftest import HORIZON
+from .conftest import HORIZON, make_vehicle
 
 CUBE = np.array(np.meshgrid([0.0, 1.0], [0.0, 1.0], [0.0, 1.0])).reshape(3, -1).T
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
@@ -109,6 +110,20 @@ def test_names_in_space_do_not_overlap_each_other(space_plan: Plan) -> None:
 def test_nothing_in_space_is_cut_off(space_plan: Plan) -> None:
     ax = plot_plan(space_plan)
     assert not any(artist.get_clip_on() for artist in (*ax.lines, *ax.collections))
+
+
+@pytest.mark.parametrize("place", [[1e6, 1e6], [1e6, 1e6, 1e6]])
+def test_what_ticks_far_from_the_origin_have_in_common_is_as_large_as_they(
+    place: list[float],
+) -> None:
+    away = [place[0] + 6.0, *place[1:]]
+    drawn = plot_scenario(Scenario("far", 1.0, 4, 0.05, (make_vehicle("a", place, away),)))
+    drawn.figure.draw_without_rendering()
+    in_space = [drawn.zaxis] if isinstance(drawn, Axes3D) else []
+    for axis in (drawn.xaxis, drawn.yaxis, *in_space):
+        common, (tick, *_) = axis.get_offset_text(), axis.get_ticklabels()
+        assert "1e6" in common.get_text()
+        assert common.get_fontsize() == tick.get_fontsize()
 
 
 def test_a_moving_obstacle_is_drawn_where_who_crosses_is_nearest(crossed_plan: Plan) -> None:

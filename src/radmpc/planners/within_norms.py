@@ -38,12 +38,12 @@ def _reaching(model: CondensedModel, outside: CondensedModel) -> CondensedModel:
     """Return a vehicle whose polytopes have corners toward its goal, or where it has to be faster.
 
     Where corners toward the goal are too little to reach it, a plan that reaches it between
-    polytopes around the norms tells where else these are needed.
+    polytopes around the norms tells where else these are needed. With visits, or an arrival at a
+    price, there is no such plan yet.
     """
     turned, vehicle = turned_to_goal(model), model.vehicle
     are_free = vehicle.control_norm is None and vehicle.speed_norm is None
-    is_open = bool(vehicle.via) or vehicle.goal.within is not None
-    if are_free or is_open or least_effort(turned).controls is not None:
+    if are_free or least_effort(turned).controls is not None:
         return turned
     for _ in range(_TURNS):
         controls = least_effort(outside).controls

@@ -99,3 +99,17 @@ def test_no_plan_that_makes_a_visit_is_certified_below_what_is_said_of_it(beyond
     plan = radmpc.plan(scenario, rng=0).require()
     assert certify(plan).certified >= found.risk * (1.0 - 1e-9)
     assert np.isclose(found.steps, (3, 7)).all()
+
+
+@pytest.mark.parametrize("visits", [([6.0, 7.0], [4.0, 5.0]), ([8.0, 6.0], [4.0, 6.0])])
+def test_visits_too_far_apart_for_the_fastest_speed_leave_no_plan(
+    visits: tuple[list[float], ...],
+) -> None:
+    # A plan that missed them was called optimal, at a proven cost.
+    given = scene(*(Visit.at(place, 0.3) for place in visits), obstacles=(), horizon=8)
+    slow = replace(given.vehicles[0], speed_limit=[1.6, 1.6])
+    result = radmpc.plan(replace(given, vehicles=[slow]), rng=0)
+    assert result.status is Status.INFEASIBLE
+    assert result.explanation.startswith(
+        "Vehicle 'boat' cannot make its 2 visits in order and be at its goal by step 8 (8 s)"
+    )

@@ -291,10 +291,10 @@ def test_sets_that_are_no_partition_are_caught(plan, sets):
     ],
 )
 def test_a_ledger_row_about_what_is_not_there_is_caught(plan, row, what):
-    problem = only_problem(replace(plan, risk=Risk(0.05, 0.05, (row, row))))
+    problem = only_problem(replace(plan, risk=Risk(0.05, None, (row, row))))
     assert problem == f"plan: a ledger row of cause {row.cause!r} names {what}"
 
 
 def test_ledger_rows_without_a_partner_are_sums(plan):
     rows = tuple(LedgerRow(cause, "ann", None, 1, 0.0) for cause in ("pair", "obstacle"))
-    assert certify(replace(plan, risk=Risk(0.05, 0.05, rows))).holds
+    assert certify(replace(plan, risk=Risk(0.05, None, rows))).holds

@@ -107,3 +107,16 @@ def test_what_is_stated_too_low_twice_is_named_twice(plan):
     assert [problem.split(" of ")[0] for problem in problems] == [
         "plan: states a certified risk", "plan: states a saturation",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("factor", [0.0, 0.5, 1.001, 10.0])
+def test_a_ledger_that_does_not_sum_to_the_certified_risk_is_caught(plan, factor):
+    found = certify(plan)
+    honest = replace(plan, risk=Risk(0.05, found.certified, found.ledger))
+    assert certify(honest).holds
+    rows = tuple(replace(row, risk=factor * row.risk) for row in found.ledger)
+    (problem,) = certify(replace(plan, risk=Risk(0.05, found.certified, rows))).problems
+    assert problem.startswith("plan: its ledger sums to ")
+    assert problem.endswith(
+        f"it states a certified risk of {found.certified:.9g}: both must be equal"
+    )

@@ -56,7 +56,9 @@ def box_of(spec: GoalSpec | VisitSpec, *path: str | int) -> tuple[Vector, Vector
     return lower, upper
 
 
-def build_visits(specs: Sequence[VisitSpec], survey: SurveySpec | None) -> tuple[Visit, ...]:
+def build_visits(
+    specs: Sequence[VisitSpec], survey: SurveySpec | None, dimension: int
+) -> tuple[Visit, ...]:
     """Return what a vehicle visits: single boxes, then the lines of a survey.
 
     Parameters
@@ -65,6 +67,8 @@ def build_visits(specs: Sequence[VisitSpec], survey: SurveySpec | None) -> tuple
         What the file gives.
     survey : SurveySpec or None
         An area to survey after that.
+    dimension : int
+        2 or 3.
 
     Raises
     ------
@@ -83,7 +87,7 @@ def build_visits(specs: Sequence[VisitSpec], survey: SurveySpec | None) -> tuple
         except ScenarioError as error:
             raise error.under("via", j) from error
     if survey is not None:
-        visits += _surveyed(survey)
+        visits += _surveyed(survey, dimension)
     if len(visits) > MOST_VISITS:
         raise ScenarioError(
             f"must have at most {MOST_VISITS} visits with those of via, got {len(visits)}",
@@ -92,8 +96,13 @@ def build_visits(specs: Sequence[VisitSpec], survey: SurveySpec | None) -> tuple
     return tuple(visits)
 
 
-def _surveyed(survey: SurveySpec) -> tuple[Visit, ...]:
+def _surveyed(survey: SurveySpec, dimension: int) -> tuple[Visit, ...]:
     """Return the visits at the ends of a survey's lines."""
+    at = ("survey", "altitude")
+    if dimension == 3 and survey.altitude is None:
+        raise ScenarioError("is required in space", at)
+    if dimension == 2 and survey.altitude is not None:
+        raise ScenarioError(f"must be left out in the plane, got {survey.altitude:g}", at)
     from radmpc.model.survey import survey_visits  # noqa: PLC0415 - few survey anything
 
     try:

@@ -125,7 +125,7 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
         drift=build_drift(spec.drift, system, shared.dt),
         disturbance_correlation=correlation,
         measurement=build_measurement(spec.measurement, n),
-        via=build_visits(spec.via, spec.survey),
+        via=build_visits(spec.via, spec.survey, d),
         control_norm=control_norm,
         speed_norm=speed_norm,
     )

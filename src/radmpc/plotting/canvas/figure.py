@@ -159,6 +159,10 @@ def settle_axes(ax: Axes, extent: Matrix, plane: Plane = ABOVE) -> None:
     ax.set_xlabel(f"{'xyz'[across]} [m]", fontsize=LABEL_SIZE, labelpad=1.0)
     ax.set_ylabel(f"{'xyz'[up]} [m]", fontsize=LABEL_SIZE, labelpad=1.0)
     ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
+    in_space = [ax.zaxis] if isinstance(ax, Axes3D) else []
+    for axis in (ax.xaxis, ax.yaxis, *in_space):
+        # Far from the origin ticks have something in common, which matplotlib writes large.
+        axis.get_offset_text().set_fontsize(TICK_SIZE)
     if isinstance(ax, Axes3D):
         ax.set_zlim(*extent[:, 2])
         sides = extent[1] - extent[0]

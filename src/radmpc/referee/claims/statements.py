@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import inf, isnan
+from math import fsum, inf, isnan
 
 from radmpc.arguments import is_integer, is_number
 from radmpc.model.plan import Coupling, Plan, Reason, Status
 
 __all__ = ["ledger_problems", "statement_problems"]
+
+_SUM_TOL = 1e-6
+"""Relative difference [-] by which a ledger may miss the certified risk: rounding in a file."""
 
 _MOST: Mapping[Reason, float] = {"collision": inf, "risk": 1.0, "distance": inf, "range": inf}
 """What the value of a coupling is at most, by its reason [- or m]; others have none."""
@@ -44,7 +47,7 @@ def statement_problems(plan: Plan) -> list[str]:
     names = sorted(v.name for v in plan.scenario.vehicles)
     if sorted(name for group in plan.sets for name in group) != names:
         problems.append("plan: its sets do not hold every vehicle once")
-    return problems + _coupling_problems(plan) + ledger_problems(plan)
+    return problems + _coupling_problems(plan) + ledger_problems(plan) + _sum_problems(plan)
 
 
 def ledger_problems(plan: Plan) -> list[str]:
@@ -81,6 +84,20 @@ def ledger_problems(plan: Plan) -> list[str]:
         if not (is_integer(row.step) and 0 <= row.step <= plan.scenario.horizon):
             problems.append(f"{about} step {row.step}, the last is {plan.scenario.horizon}")
     return list(dict.fromkeys(problems))
+
+
+def _sum_problems(plan: Plan) -> list[str]:
+    """Say where the rows of a ledger do not add up to the certified risk that is stated with it."""
+    certified = plan.risk.certified
+    if certified is None or not plan.risk.ledger:
+        return []
+    total = fsum(row.risk for row in plan.risk.ledger)
+    if abs(total - certified) <= _SUM_TOL * max(total, certified):
+        return []
+    return [
+        f"plan: its ledger sums to {total:.9g}, it states a certified risk of {certified:.9g}: "
+        "both must be equal"
+    ]
 
 
 def _coupling_problems(plan: Plan) -> list[str]:

@@ -191,6 +191,27 @@ def test_steps_by_legs_keep_windows_and_stops() -> None:
     assert 6 <= found[0] <= 8 < found[1] < 14
 
 
+@pytest.mark.parametrize("fastest", [1.3, 1.6, 2.0])
+@pytest.mark.parametrize("places", [([6.0, 4.0], [4.0, 2.0]), ([7.0, 3.0], [2.0, 3.0])])
+def test_steps_by_legs_rise_where_every_leg_is_too_fast(
+    places: tuple[list[float], ...], fastest: float
+) -> None:
+    given = scene(*(Visit.at(each, 0.3) for each in places), horizon=8)
+    slow = replace(given.vehicles[0], speed_limit=[fastest, fastest])
+    model = condensed_models(replace(given, vehicles=(slow,)))[0]
+    found = steps_by_legs(model, windows_of(model), [6, 7])
+    assert found is not None
+    assert 1 <= found[0] < found[1] <= 7
+
+
+def test_a_visit_at_the_horizon_leaves_the_others_in_order() -> None:
+    last = Visit.at([8.8, 0.0], 0.3, between=(10, 10))
+    model = condensed_models(scene(VISIT, Visit.at([6.0, 3.0], 0.5), last, horizon=10))[0]
+    found = steps_by_legs(model, windows_of(model), [4, 7, 10])
+    assert found is not None
+    assert 1 < found[0] < found[1] < found[2] == 10
+
+
 def test_visits_are_moved_by_a_step_while_that_is_cheaper() -> None:
     touring = toured(
         vehicle("a", [0.0, 0.0], [9.0, 0.0], VISIT), vehicle("b", [20.0, 0.0], [20.0, 0.0])

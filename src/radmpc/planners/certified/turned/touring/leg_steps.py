@@ -27,7 +27,8 @@ _INSIDE = 0.5
 """Share of a box that legs may end beside its middle [-]: paths use most of it to turn less."""
 
 _NEVER = 1e9
-"""What legs out of order or too fast cost [m/s]: finite, so that there is a best choice always."""
+"""What legs too fast cost, and one that is late for the goal [m/s]: finite, so that there is a best
+choice always. Legs from a visit to an earlier one cost more than any number of these."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +42,7 @@ class _Leg:
     seconds : (a, b) array
         How long it takes [s].
     penalty : (a, b) array
-        `_NEVER` where it cannot be.
+        `_NEVER` where it cannot be, infinite where one visit would be before the one before it.
     """
 
     velocities: Tensor
@@ -138,7 +139,7 @@ def _legs(model: CondensedModel, steps: Sequence[Indices]) -> list[_Leg]:
     boxes.insert(0, (model.drift_position[0], np.zeros(vehicle.system.dimension)))
     most = np.inf if vehicle.speed_limit is None else vehicle.speed_limit
     coasting = model.drift_velocity
-    legs = []
+    legs: list[_Leg] = []
     for (here, wide), (there, wider), at in zip(boxes, boxes[1:], pairwise(steps), strict=False):
         begin, end = here - model.drift_position[at[0]], there - model.drift_position[at[1]]
         away = end - begin[:, None]
@@ -149,7 +150,10 @@ def _legs(model: CondensedModel, steps: Sequence[Indices]) -> list[_Leg]:
         velocities = away / seconds
         there_is = 0.0 if coasting is None else coasting[at[1]].T[:, None]
         is_too_fast = (np.abs(velocities + there_is) > _by_axes(most)).any(axis=0)
-        legs.append(_Leg(velocities, seconds, _NEVER * ((count < 1) | is_too_fast)))
+        # A visit at the horizon has no time for a leg to the goal, and is in order.
+        unordered = _NEVER if len(legs) == len(vehicle.via) else np.inf
+        penalty = np.where(count < 1, unordered, _NEVER * is_too_fast)
+        legs.append(_Leg(velocities, seconds, penalty))
     return legs
 
 
