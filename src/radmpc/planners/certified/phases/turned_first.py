@@ -11,7 +11,6 @@ from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.state.task import task_of
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.turning import Turning
 from radmpc.planners.verdict import Judge
 from radmpc.records import replace
 
@@ -91,6 +90,8 @@ class _TurnedFirst:
 
     def _turn(self, controls: tuple[Matrix, ...]) -> None:
         """Turn half-spaces to the first plan, where it costs much."""
+        from radmpc.planners.certified.turned.turning import Turning  # noqa: PLC0415 - vehicles without conflicts do without
+
         fleet, everyone = self.fleet, tuple(range(self.fleet.scenario.num_vehicles))
         price = fleet.first_unit_price(fleet.first_budget) / fleet.unit
         turning = Turning(
