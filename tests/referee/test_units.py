@@ -241,3 +241,47 @@ def test_vehicles_that_touch_as_they_part_count_the_same_in_other_units(
     assert 0 < here.collisions < 4000
     # Contact has a tolerance of a nanometer, in whatever units.
     assert other.collisions == pytest.approx(here.collisions, rel=0.01)
+
+
+FAR = np.array([1e6, -1e6])
+
+
+def placed(place: np.ndarray) -> Plan:
+    """A plan with some millimeters of noise and of room beside a box, somewhere."""
+    plan = sound()
+    shift = np.concatenate([place, np.zeros(2)])
+    vehicles = tuple(
+        replace(
+            v,
+            start=v.start + shift,
+            goal=replace(v.goal, lower=v.goal.lower + place, upper=v.goal.upper + place),
+            initial_covariance=1e-4 * v.initial_covariance,
+            disturbance_covariance=1e-4 * v.disturbance_covariance,
+            via=tuple(Visit(x.lower + place, x.upper + place, speed=x.speed) for x in v.via),
+        )
+        for v in plan.scenario.vehicles
+    )
+    corners = np.array([[2.0, -2.0], [3.0, -0.3012]]) + place
+    scenario = replace(
+        plan.scenario,
+        vehicles=vehicles,
+        obstacles=(Obstacle.box("box", *corners),),
+        workspace=Workspace(place - 5.0, place + 7.0),
+    )
+    return make_plan(scenario, [t.controls for t in plan.trajectories])
+
+
+def test_a_certificate_a_thousand_kilometers_away_is_the_same_at_millimeters_of_noise() -> None:
+    here, there = certify(placed(np.zeros(2))), certify(placed(FAR))
+    assert here.problems == there.problems == ()
+    assert 1e-3 < here.certified < 0.45
+    assert there.certified == pytest.approx(here.certified, rel=1e-5)
+
+
+@pytest.mark.parametrize("miss", [1e-3, 0.9])
+def test_a_mean_that_is_off_is_told_a_thousand_kilometers_away(miss: float) -> None:
+    plan = placed(FAR)
+    means = np.array(plan.trajectories[1].means)
+    means[4, 0] += miss
+    (problem,) = certify(moved(plan, 1, means=means)).problems
+    assert problem.startswith("vehicle 'bob': mean [0] at step 4 is stated as ")
