@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -22,9 +22,11 @@ if TYPE_CHECKING:
 __all__ = ["Cutoff", "cutoffs", "may_saturate", "saturation_bound"]
 
 Flags = npt.NDArray[np.bool_]
+_Limits = TypeVar("_Limits", float, Vector)
 
 _LIMIT_TOL = 1e-6
-"""What a nominal control may exceed its limit by, as solvers' tolerances let it [m/s²]."""
+"""What a nominal control may exceed its limit by, as solvers' tolerances let it: a share of limits
+below one [-], and so much of larger ones [m/s²]. Limits of slow vehicles are less than that."""
 
 _CERTAIN = 1e-12
 """Probability below which a vehicle is taken never to saturate in samples [-]."""
@@ -58,22 +60,29 @@ def saturation_bound(scenario: Scenario, motion: FleetMotion, controls: Sequence
             from radmpc.referee.claims.norms import saturation_of_norm  # noqa: PLC0415 - few have any
 
             seen = motion.seen[i][:-1]
-            bounds[i] = saturation_of_norm(vehicle, controls[i], seen, _LIMIT_TOL, motion.samples)
+            slack = _let_pass(vehicle.control_norm)
+            bounds[i] = saturation_of_norm(vehicle, controls[i], seen, slack, motion.samples)
             # What exceeds the norm along an axis was counted.
             limit = np.where(vehicle.control_limit < vehicle.control_norm, limit, np.inf)
         if vehicle.gain is None:
-            bounds[i] = max(bounds[i], float(np.any(np.abs(controls[i]) > limit + _LIMIT_TOL)))
+            beyond = np.abs(controls[i]) > limit + _let_pass(vehicle.control_limit)
+            bounds[i] = max(bounds[i], float(np.any(beyond)))
             continue
         variances = ((vehicle.gain @ motion.seen[i][:-1]) * vehicle.gain).sum(axis=2)
         spread = np.sqrt(variances.clip(min=0.0))
         noisy = spread > 0.0
         total = bounds[i]
-        held = limit + allowed_beyond(spread, _LIMIT_TOL)
+        held = limit + allowed_beyond(spread, _let_pass(vehicle.control_limit))
         for room in (held - controls[i], held + controls[i]):
             tails = exceeding(room / np.where(noisy, spread, 1.0), motion.samples)
             total += float(np.where(noisy, tails, (room < 0.0).astype(np.float64)).sum())
         bounds[i] = min(total, 1.0)
     return bounds
+
+
+def _let_pass(limit: _Limits) -> _Limits:
+    """Return what nominal controls may exceed limits by."""
+    return _LIMIT_TOL * np.minimum(limit, 1.0)  # type: ignore[no-any-return] # of the kind given
 
 
 def may_saturate(bounds: Vector) -> Flags:
@@ -146,7 +155,9 @@ def cutoffs(
         vehicle = scenario.vehicles[i]
         m, n = vehicle.system.num_controls, vehicle.system.num_states
         if vehicle.control_norm is not None:
-            normed.append((i, slice(first, first + m), vehicle.control_norm + _LIMIT_TOL))
+            normed.append(
+                (i, slice(first, first + m), vehicle.control_norm + _let_pass(vehicle.control_norm))
+            )
         seen = motion.seen_rows[i]
         own = np.repeat(np.arange(first, first + m), n)
         rows.append(own)
@@ -166,7 +177,8 @@ def cutoffs(
     found = []
     for k in range(scenario.horizon):
         limits = [scenario.vehicles[i].control_limit for i in chosen]
-        limit = np.concatenate([np.zeros(0), *limits]) + _LIMIT_TOL
+        limit = np.concatenate([np.zeros(0), *limits])
+        limit += _let_pass(limit)
         nominal = np.concatenate([np.zeros(0), *(controls[i][k] for i in chosen)])
         discs = tuple((rows, controls[i][k], norm) for i, rows, norm in normed)
         found.append(Cutoff(asked, -limit - nominal, limit - nominal, pushed, discs))

@@ -9,7 +9,6 @@ from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Trajectory
 from radmpc.model.relations.alike import covariances_of_all
 from radmpc.model.scenario import Scenario
-from radmpc.model.vehicle import Vehicle
 
 __all__ = ["cost_of", "trajectories_of"]
 
@@ -62,14 +61,8 @@ def cost_of(scenario: Scenario, trajectories: tuple[Trajectory, ...]) -> float:
     ]
     cost = float(np.sum(efforts))
     if scenario.time_weight > 0.0:
-        steps = [_arrival(v, t.means) for v, t in pairs if v.goal.within is not None]
+        from radmpc.referee.claims.visits import arrival_step  # noqa: PLC0415 - few pay for time
+
+        steps = [arrival_step(v, t.means) for v, t in pairs if v.goal.within is not None]
         cost += scenario.time_weight * scenario.dt * sum(steps)
     return cost
-
-
-def _arrival(vehicle: Vehicle, means: Matrix) -> int:
-    """Return the step at which a vehicle arrives, the last of its window where it is late."""
-    velocity = vehicle.system.velocity
-    speeds = None if velocity is None else means[:, list(velocity)]
-    step = vehicle.goal.arrival(means[:, list(vehicle.system.position)], speeds)
-    return vehicle.goal.window(len(means) - 1)[1] if step is None else step

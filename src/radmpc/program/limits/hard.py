@@ -13,8 +13,9 @@ from radmpc.sparse_rows import SparseBlock, sparse_block
 __all__ = ["HardRows", "hard_rows", "keeps_hard_rows", "split_hard_rows"]
 
 _TOL = 1e-7
-"""What controls, speeds and goals may be missed by and count as kept [m, m/s, control]: linear
-solvers leave a hundredth of it, the referee allows ten times as much."""
+"""What controls, speeds and goals may be missed by and count as kept [m, m/s, control], and a share
+of what controls change at most where that is below one: linear solvers leave a hundredth of it, the
+referee allows ten times as much."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,11 +108,14 @@ def keeps_hard_rows(model: CondensedModel, controls: Matrix) -> bool:
     controls : (T, m) array
         Its nominal controls.
     """
-    if np.any(np.abs(controls) > model.control_bounds + _TOL):
+    limit = model.vehicle.control_limit
+    if np.any(np.abs(controls) > model.control_bounds + _TOL * np.minimum(limit, 1.0)):
         return False
     rows, lower, upper = hard_rows(model)
     at = rows @ controls.ravel()
-    return bool(np.all((at >= lower - _TOL) & (at <= upper + _TOL)))
+    most = np.abs(rows) @ np.tile(limit, model.horizon)
+    slack = _TOL * np.minimum(most, 1.0)
+    return bool(np.all((at >= lower - slack) & (at <= upper + slack)))
 
 
 def _binding_norm_rows(model: CondensedModel) -> tuple[Matrix, Vector]:

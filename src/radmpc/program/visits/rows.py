@@ -25,6 +25,8 @@ __all__ = ["fixed_visit_rows", "rows_at", "visit_blocks"]
 def fixed_visit_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
     """Return the rows of the visits of a vehicle whose step is given, over its controls.
 
+    A visit that has no step left, as where given steps do not rise, is a row that nothing keeps.
+
     Parameters
     ----------
     model : CondensedModel
@@ -36,15 +38,20 @@ def fixed_visit_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
         Rows, lower and upper bounds.
     """
     found = [
-        rows_at(model, visit, first)
+        rows_at(model, visit, first) if first == last else _contradiction(model)
         for visit, (first, last) in zip(model.vehicle.via, windows_of(model), strict=True)
-        if first == last
+        if first >= last
     ]
     if not found:
         none = np.zeros(0)
         return np.zeros((0, model.position.shape[2])), none, none
     rows, lowers, uppers = zip(*found, strict=True)
     return np.vstack(rows), np.concatenate(lowers), np.concatenate(uppers)
+
+
+def _contradiction(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
+    """Return a row that no controls keep: nothing is at least 1."""
+    return np.zeros((1, model.position.shape[2])), np.ones(1), np.full(1, np.inf)
 
 
 def rows_at(model: CondensedModel, visit: Visit, step: int) -> tuple[Matrix, Vector, Vector]:

@@ -7,18 +7,23 @@ from collections import Counter
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.plan import Plan, Status, Trajectory
 from radmpc.model.vehicle import Vehicle
-from radmpc.referee.claims.plain import differing, exceeding_limits, is_beyond
+from radmpc.referee.claims.plain import differing, exceeding_limits
 from radmpc.referee.claims.statements import statement_problems
+from radmpc.referee.claims.tolerances import (
+    beyond_limit,
+    of_cost,
+    of_covariances,
+    of_gain,
+    of_means,
+    of_place,
+    of_speeds,
+)
 from radmpc.referee.motion import FleetMotion
 
 __all__ = ["claim_problems", "cost_of", "limit_problems", "planned_effort", "shape_problems"]
-
-_TOL = 1e-6
-"""Difference up to which stated numbers and limits are kept, absolute below one and relative above
-[-]."""
 
 
 def shape_problems(plan: Plan) -> list[str]:
@@ -72,7 +77,8 @@ def _array_problems(horizon: int, vehicle: Vehicle, trajectory: Trajectory) -> l
 def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
     """Return where stated means, covariances, gains, cost or bound are not the true ones.
 
-    Numbers may differ by 1e-6, or by 1e-6 of the larger where they exceed one.
+    Numbers may differ by 1e-6, or by 1e-6 of the larger where they exceed one; never by more than a
+    thousandth of the radius, of what a step adds to the speed, or of the variances.
 
     Parameters
     ----------
@@ -82,14 +88,17 @@ def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
         The true one, under the plan's controls.
     """
     problems = statement_problems(plan)
-    off = set(differing(plan, motion, _TOL))
+    off = set(differing(plan, motion))
     for i, (vehicle, stated) in enumerate(
         zip(plan.scenario.vehicles, plan.trajectories, strict=True)
     ):
         if i in off:
-            problems += _difference(vehicle.name, "mean", stated.means, motion.states[i])
+            means, spreads = motion.states[i], motion.covariances[i]
+            allowed = of_means(vehicle, means)
+            problems += _difference(vehicle.name, "mean", stated.means, means, allowed)
+            allowed = of_covariances(vehicle, spreads)
             problems += _difference(
-                vehicle.name, "covariance", stated.covariances, motion.covariances[i]
+                vehicle.name, "covariance", stated.covariances, spreads, allowed
             )
         problems += _gain_problems(vehicle, stated)
     if plan.risk.bound != plan.scenario.risk_bound:
@@ -99,7 +108,7 @@ def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
         )
     cost = cost_of(plan)
     # Negated, so that nan is no cost either.
-    if plan.cost is None or not abs(plan.cost - cost) <= _TOL * max(1.0, cost):
+    if plan.cost is None or not abs(plan.cost - cost) <= of_cost(plan.scenario, cost):
         stated_cost = "no cost" if plan.cost is None else f"a cost of {plan.cost:.9g}"
         problems.append(f"plan: states {stated_cost}, its controls cost {cost:.9g}")
     return problems
@@ -124,11 +133,9 @@ def cost_of(plan: Plan) -> float:
     return effort + per_step * sum(arrival_step(v, means) for v, means in free)
 
 
-def _difference(
-    name: str, field: str, stated: npt.NDArray[np.float64], true: npt.NDArray[np.float64]
-) -> list[str]:
+def _difference(name: str, field: str, stated: Tensor, true: Tensor, allowed: Tensor) -> list[str]:
     """Name the first step at which a stated array leaves the true one."""
-    excess = np.abs(stated - true) > _TOL * np.maximum(1.0, np.abs(true))
+    excess = np.abs(stated - true) > allowed
     if not excess.any():
         return []
     step, *entry = (int(i) for i in np.argwhere(excess)[0])
@@ -146,7 +153,7 @@ def _gain_problems(vehicle: Vehicle, stated: Trajectory) -> list[str]:
             return []
         has, wants = ("a", "none") if vehicle.gain is None else ("no", "one")
         return [f"vehicle {vehicle.name!r}: the plan has {has} feedback gain, the scenario {wants}"]
-    off = np.abs(stated.gain - vehicle.gain) > _TOL * np.maximum(1.0, np.abs(vehicle.gain))
+    off = np.abs(stated.gain - vehicle.gain) > of_gain(vehicle.gain)
     if not off.any():
         return []
     row, column = (int(i) for i in np.argwhere(off)[0])
@@ -157,7 +164,10 @@ def _gain_problems(vehicle: Vehicle, stated: Trajectory) -> list[str]:
 
 
 def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
-    """Return which limits, goals and visits the mean does not keep, beyond 1e-6.
+    """Return which limits, goals and visits the mean does not keep, beyond a millionth of limits.
+
+    Goals and visits may be missed by 1e-6, as long as that is a thousandth of the radius, or of
+    what a step adds to the speed, at most.
 
     Speeds are checked at k = 1..T: the start is the scenario's, not the plan's.
 
@@ -169,10 +179,11 @@ def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
         The true one, under the plan's controls.
     """
     problems = []
-    for i in exceeding_limits(plan, motion, _TOL):
+    for i in exceeding_limits(plan, motion):
         vehicle, trajectory = plan.scenario.vehicles[i], plan.trajectories[i]
         bounds = _control_bounds(vehicle, motion.seen[i][:-1])
-        problems += _excess(vehicle.name, "control", trajectory.controls, bounds, 0)
+        allowed = beyond_limit(bounds, vehicle.control_limit)
+        problems += _excess(vehicle.name, "control", trajectory.controls, bounds, allowed, 0)
         problems += _arrival_problems(vehicle, motion.states[i])
         if vehicle.control_norm is not None or vehicle.speed_norm is not None:
             from radmpc.referee.claims.norms import norm_problems  # noqa: PLC0415 - few have any
@@ -203,18 +214,21 @@ def _arrival_problems(vehicle: Vehicle, states: Matrix) -> list[str]:
         speeds = states[:, list(vehicle.system.velocity)]
         if vehicle.speed_limit is not None:
             limits = vehicle.speed_limit[None]
-            problems += _excess(vehicle.name, "speed", speeds[1:], limits, 1)
+            allowed = beyond_limit(limits, limits)
+            problems += _excess(vehicle.name, "speed", speeds[1:], limits, allowed, 1)
         if vehicle.goal.speed is not None:
             last = len(states) - 1
             goal_speed = vehicle.goal.speed[None, :]
-            problems += _excess(vehicle.name, "goal speed", speeds[-1:], goal_speed, last)
+            allowed = of_speeds(vehicle, goal_speed)
+            problems += _excess(vehicle.name, "goal speed", speeds[-1:], goal_speed, allowed, last)
     return problems + _goal_problems(vehicle, states[-1, list(vehicle.system.position)])
 
 
 def _goal_problems(vehicle: Vehicle, position: Vector) -> list[str]:
     """Name the axes on which the mean ends outside the goal."""
     lower, upper = vehicle.goal.lower, vehicle.goal.upper
-    missed = (position < lower - _TOL) | (position > upper + _TOL)
+    allowed = of_place(vehicle)
+    missed = (position < lower - allowed) | (position > upper + allowed)
     if not missed.any():
         return []
     return [
@@ -224,9 +238,11 @@ def _goal_problems(vehicle: Vehicle, position: Vector) -> list[str]:
     ]
 
 
-def _excess(name: str, field: str, values: Matrix, limits: Matrix, first: int) -> list[str]:
-    """Name the first value per axis whose size exceeds its limit."""
-    over = is_beyond(values, limits, _TOL)
+def _excess(
+    name: str, field: str, values: Matrix, limits: Matrix, allowed: Matrix, first: int
+) -> list[str]:
+    """Name the first value per axis whose size exceeds its limit by more than is allowed."""
+    over = np.abs(values) > limits + allowed
     if not over.any():
         return []
     limits = np.broadcast_to(limits, values.shape)

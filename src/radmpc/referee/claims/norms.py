@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.vehicle import Vehicle
+from radmpc.referee.claims.tolerances import beyond_limit
 from radmpc.referee.polytopes import polytopes_within
 from radmpc.referee.tails import exceeding
 
@@ -17,9 +18,6 @@ _HALVINGS = 60
 
 _NOTHING = 1e-140
 """Stands for 0 where one divides by it, and squares what comes of it."""
-
-_TOL = 1e-6
-"""Share of a limit up to which it is kept [-]; absolute below one."""
 
 
 def norm_problems(vehicle: Vehicle, states: Matrix, controls: Matrix, seen: Tensor) -> list[str]:
@@ -84,7 +82,7 @@ def _with_reserve(controls: Matrix, spreads: Tensor) -> Vector:
 
 def _first(name: str, what: str, norms: Vector, limit: float, first: int) -> list[str]:
     """Name the first norm above a limit."""
-    over = np.flatnonzero(norms > limit + _TOL * max(1.0, limit))
+    over = np.flatnonzero(norms > limit + beyond_limit(np.array(limit), np.array(limit)))
     if not over.size:
         return []
     k = int(over[0])
@@ -138,18 +136,18 @@ def saturation_of_norm(
     return float(np.where(still, sure.astype(np.float64), np.minimum(best, 1.0)).sum())
 
 
-def allowed_beyond(spread: Matrix, slack: float) -> Matrix:
+def allowed_beyond(spread: Matrix, slack: float | Vector) -> Matrix:
     """Return what controls may exceed a limit by before they count as cut off.
 
     Parameters
     ----------
     spread : array
         Standard deviations of what feedback asks for.
-    slack : float
+    slack : float or array
         What solvers' tolerances let nominal controls exceed it by. Where noise shakes a control by
         a hundredth of that or more, it would make a saturation look less likely than it is.
     """
-    return np.where(spread > 0.01 * slack, 0.0, slack)
+    return np.where(spread > 0.01 * np.asarray(slack), 0.0, slack)
 
 
 def norm_excess(controls: Matrix, limit: float) -> Matrix:

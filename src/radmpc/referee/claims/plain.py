@@ -13,14 +13,21 @@ import numpy.typing as npt
 from radmpc.arrays import Tensor
 from radmpc.model.plan import Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
+from radmpc.referee.claims.tolerances import (
+    beyond_limit,
+    of_covariances,
+    of_means,
+    of_place,
+    of_speeds,
+)
 from radmpc.referee.motion import FleetMotion
 
-__all__ = ["differing", "exceeding_limits", "is_beyond"]
+__all__ = ["differing", "exceeding_limits"]
 
 Flags = npt.NDArray[np.bool_]
 
 
-def differing(plan: Plan, motion: FleetMotion, tolerance: float) -> list[int]:
+def differing(plan: Plan, motion: FleetMotion) -> list[int]:
     """Return the vehicles whose stated means or covariances are not the true ones.
 
     Parameters
@@ -29,21 +36,23 @@ def differing(plan: Plan, motion: FleetMotion, tolerance: float) -> list[int]:
         With trajectories.
     motion : FleetMotion
         The true one.
-    tolerance : float
-        Of a difference, relative above one [-].
     """
     found = []
-    for members in _alike([states.shape for states in motion.states]):
-        some = [plan.trajectories[i] for i in members]
-        means = np.array([each.means for each in some])
-        covariances = np.array([each.covariances for each in some])
-        off = _differs(means, np.array([motion.states[i] for i in members]), tolerance)
-        off |= _differs(covariances, np.array([motion.covariances[i] for i in members]), tolerance)
-        found += np.array(members)[off].tolist()
-    return sorted(found)
+    for i, (vehicle, stated) in enumerate(
+        zip(plan.scenario.vehicles, plan.trajectories, strict=True)
+    ):
+        means, covariances = motion.states[i], motion.covariances[i]
+        # Most are the same to the last bit.
+        if np.array_equal(stated.means, means) and np.array_equal(stated.covariances, covariances):
+            continue
+        off = np.abs(stated.means - means) > of_means(vehicle, means)
+        apart = np.abs(stated.covariances - covariances) > of_covariances(vehicle, covariances)
+        if off.any() or apart.any():
+            found.append(i)
+    return found
 
 
-def exceeding_limits(plan: Plan, motion: FleetMotion, tolerance: float) -> list[int]:
+def exceeding_limits(plan: Plan, motion: FleetMotion) -> list[int]:
     """Return the vehicles that exceed a limit or miss their goal, and those with more to keep.
 
     Parameters
@@ -52,8 +61,6 @@ def exceeding_limits(plan: Plan, motion: FleetMotion, tolerance: float) -> list[
         With trajectories.
     motion : FleetMotion
         The true one.
-    tolerance : float
-        Of what exceeds a limit, relative above one; of the goal absolute [m].
     """
     vehicles = plan.scenario.vehicles
     found = [i for i, vehicle in enumerate(vehicles) if _asks_more(vehicle)]
@@ -61,22 +68,9 @@ def exceeding_limits(plan: Plan, motion: FleetMotion, tolerance: float) -> list[
     for which in _alike([_shape(vehicles[i]) for i in rest]):
         members = [rest[at] for at in which]
         some, paths = [vehicles[i] for i in members], [plan.trajectories[i] for i in members]
-        off = _exceeds(some, paths, np.array([motion.states[i] for i in members]), tolerance)
+        off = _exceeds(some, paths, np.array([motion.states[i] for i in members]))
         found += np.array(members)[off].tolist()
     return sorted(found)
-
-
-def is_beyond(values: Tensor, limits: Tensor, tolerance: float) -> Flags:
-    """Return which values exceed their limits in size, as broadcast.
-
-    Parameters
-    ----------
-    values, limits : array
-        Of one unit; shapes that can be broadcast.
-    tolerance : float
-        What they may do so by, relative where limits exceed one [-].
-    """
-    return np.asarray(np.abs(values) > limits + tolerance * np.maximum(1.0, np.abs(limits)))
 
 
 def _asks_more(vehicle: Vehicle) -> bool:
@@ -101,28 +95,27 @@ def _alike(shapes: Sequence[object]) -> list[list[int]]:
     return list(groups.values())
 
 
-def _differs(stated: Tensor, true: Tensor, tolerance: float) -> Flags:
-    """Return whose numbers are off, (g,) bool."""
-    off = np.abs(stated - true) > tolerance * np.maximum(1.0, np.abs(true))
-    return np.asarray(off.any(axis=tuple(range(1, off.ndim))))
-
-
-def _exceeds(
-    vehicles: Sequence[Vehicle], paths: Sequence[Trajectory], states: Tensor, tolerance: float
-) -> Flags:
+def _exceeds(vehicles: Sequence[Vehicle], paths: Sequence[Trajectory], states: Tensor) -> Flags:
     """Return which exceed a control, a speed or the goal, (g,) bool."""
     system = vehicles[0].system
     controls = np.array([path.controls for path in paths])
-    limits = np.array([vehicle.control_limit for vehicle in vehicles])
-    over = is_beyond(controls, limits[:, None], tolerance).any(axis=(1, 2))
-    place = states[:, -1, list(system.position)]
-    over |= (place < np.array([v.goal.lower for v in vehicles]) - tolerance).any(axis=1)
-    over |= (place > np.array([v.goal.upper for v in vehicles]) + tolerance).any(axis=1)
+    limits = np.array([vehicle.control_limit for vehicle in vehicles])[:, None]
+    over = (np.abs(controls) > limits + beyond_limit(limits, limits)).any(axis=(1, 2))
+    place, beside = (
+        states[:, -1, list(system.position)],
+        np.array([[of_place(v)] for v in vehicles]),
+    )
+    over |= (place < np.array([v.goal.lower for v in vehicles]) - beside).any(axis=1)
+    over |= (place > np.array([v.goal.upper for v in vehicles]) + beside).any(axis=1)
     if system.velocity is not None:
-        speeds = states[:, 1:, list(system.velocity)]
+        speeds = np.abs(states[:, 1:, list(system.velocity)])
         free = np.full(speeds.shape[2], np.inf)
-        fast = np.array([free if v.speed_limit is None else v.speed_limit for v in vehicles])
-        last = np.array([free if v.goal.speed is None else v.goal.speed for v in vehicles])
-        over |= is_beyond(speeds, fast[:, None], tolerance).any(axis=(1, 2))
-        over |= is_beyond(speeds[:, -1], last, tolerance).any(axis=1)
+        fast = [free if v.speed_limit is None else v.speed_limit for v in vehicles]
+        last = [free if v.goal.speed is None else v.goal.speed for v in vehicles]
+        most = np.array([limit + beyond_limit(limit, limit) for limit in fast])
+        over |= (speeds > most[:, None]).any(axis=(1, 2))
+        slow = np.array(
+            [limit + of_speeds(v, limit) for v, limit in zip(vehicles, last, strict=True)]
+        )
+        over |= (speeds[:, -1] > slow).any(axis=1)
     return np.asarray(over)

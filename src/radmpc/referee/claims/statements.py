@@ -2,16 +2,30 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from math import fsum, inf, isnan
 
 from radmpc.arguments import is_integer, is_number
 from radmpc.model.plan import Coupling, Plan, Reason, Status
+from radmpc.referee.claims.tolerances import of_cost
 
 __all__ = ["ledger_problems", "statement_problems"]
 
 _SUM_TOL = 1e-6
 """Relative difference [-] by which a ledger may miss the certified risk: rounding in a file."""
+
+_BOUND_TOL = 1e-3
+"""What a lower bound may be above a cost by, as a share of what costs may differ by [-]."""
+
+_USUAL_GAP = 1e-3
+"""Relative gap of planners that prove one, where their record names none [-]."""
+
+_GAP_TOL = 1e-2
+"""Share of a gap by which bound and cost may be further apart: they are summed anew [-]."""
+
+_LEAST_COST = 1e-9
+"""Costs below this count as this in relative gaps: a plan may cost nothing."""
 
 _MOST: Mapping[Reason, float] = {"collision": inf, "risk": 1.0, "distance": inf, "range": inf}
 """What the value of a coupling is at most, by its reason [- or m]; others have none."""
@@ -39,15 +53,72 @@ def statement_problems(plan: Plan) -> list[str]:
             continue
         if plan.cost is None or bound is None:
             continue
-        if bound - plan.cost > 1e-9 * max(abs(plan.cost), 1.0):
+        if bound - plan.cost > _BOUND_TOL * of_cost(plan.scenario, plan.cost):
             problems.append(f"plan: {name} {bound:.9g} is above the cost {plan.cost:.9g}")
+    problems += _gap_problems(plan) + _search_problems(plan)
     price = plan.risk.price
     if price is not None and not price >= 0.0:
         problems.append(f"plan: states a shadow price of risk of {price:.9g}, must be >= 0")
     names = sorted(v.name for v in plan.scenario.vehicles)
     if sorted(name for group in plan.sets for name in group) != names:
         problems.append("plan: its sets do not hold every vehicle once")
+    if not all(plan.sets):
+        problems.append("plan: one of its sets is empty")
     return problems + _coupling_problems(plan) + ledger_problems(plan) + _sum_problems(plan)
+
+
+def _gap_problems(plan: Plan) -> list[str]:
+    """Say where an optimal plan is further from its bounds than the gap its planner was asked for.
+
+    A bound on any certified plan bounds those by faces. Texts that are no planner's record, or of
+    one that proves nothing, state no gap.
+    """
+    bounds = [b for b in (plan.lower_bound, plan.certified_lower_bound) if b is not None]
+    gap = _gap_asked(plan.planner)
+    if plan.status is not Status.OPTIMAL or gap is None or plan.cost is None or not bounds:
+        return []
+    apart = (plan.cost - max(bounds)) / max(abs(plan.cost), _LEAST_COST)
+    if not apart > gap * (1.0 + _GAP_TOL):
+        return []
+    return [
+        f"plan: status is 'optimal', asked for was a gap of {gap:g}, lower bound "
+        f"{max(bounds):.9g} and cost {plan.cost:.9g} are {apart:.3g} apart"
+    ]
+
+
+def _gap_asked(planner: str) -> float | None:
+    """Return the relative gap that a planner's record states, or that it leaves as usual."""
+    match = re.search(r", gap=([-+.\de]+)$", planner)
+    if match is not None:
+        try:
+            gap = float(match[1])
+        except ValueError:
+            return None
+        return gap if 0.0 < gap < 1.0 else None
+    return _USUAL_GAP if re.search(r", certified(\([^()]*\))?$", planner) else None
+
+
+def _search_problems(plan: Plan) -> list[str]:
+    """Name seconds that no clock measures, and a first plan that cannot have been."""
+    problems = [
+        f"plan: states {_shown(seconds)} seconds for {stage!r}, must be a number >= 0"
+        for stage, seconds in plan.seconds.items()
+        if not (is_number(seconds) and 0.0 <= seconds < inf)
+    ]
+    first, bound = plan.first, plan.certified_lower_bound
+    if first is None:
+        return problems
+    if first.seconds < 0.0:
+        problems.append(
+            f"plan: states that its first plan was there after {first.seconds:.9g} seconds, "
+            "must be >= 0"
+        )
+    if bound is not None and bound - first.cost > _BOUND_TOL * of_cost(plan.scenario, first.cost):
+        problems.append(
+            f"plan: states a first certified plan of cost {first.cost:.9g}, below {bound:.9g}, the "
+            "lower bound of any certified plan"
+        )
+    return problems
 
 
 def ledger_problems(plan: Plan) -> list[str]:
@@ -129,8 +200,13 @@ def _value_problems(coupling: Coupling) -> list[str]:
     if not allowed:
         return []
     pair = f"{coupling.vehicle!r} and {coupling.other!r}"
-    given = "none" if value is None else f"{value:.9g}" if is_number(value) else repr(value)
+    given = "none" if value is None else _shown(value)
     return [
         f"plan: the coupling of {pair} of reason {coupling.reason!r} has a value of {given}, "
         f"allowed is {allowed}"
     ]
+
+
+def _shown(value: object) -> str:
+    """Return a number with nine digits, anything else as it is written."""
+    return f"{value:.9g}" if is_number(value) else repr(value)

@@ -8,11 +8,9 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import Visit
+from radmpc.referee.claims.tolerances import of_place, of_speed
 
 __all__ = ["arrival_problems", "arrival_step", "time_to_come", "visit_problems"]
-
-_TOL = 1e-6
-"""By how much a box, or a speed, may be missed [m, m/s]."""
 
 
 def visit_problems(vehicle: Vehicle, states: Matrix) -> list[str]:
@@ -38,7 +36,7 @@ def visit_problems(vehicle: Vehicle, states: Matrix) -> list[str]:
         first, last = (1, horizon - 1) if visit.between is None else visit.between
         beside = _beside(vehicle, visit, states)
         earliest = max(first, previous + 1)
-        made = [k for k in range(earliest, last + 1) if beside[k] <= _TOL]
+        made = [k for k in range(earliest, last + 1) if beside[k] == 0.0]
         if made:
             previous = made[0]
             continue
@@ -56,12 +54,18 @@ def visit_problems(vehicle: Vehicle, states: Matrix) -> list[str]:
 
 
 def _beside(vehicle: Vehicle, visit: Visit, states: Matrix) -> Vector:
-    """Return by how much each mean state misses a visit's box or speed, (T+1,) [m, m/s]."""
+    """Return by how much each mean state misses a visit's box or speed, (T+1,) [m, m/s].
+
+    What may be missed is none.
+    """
     positions = states[:, list(vehicle.system.position)]
-    excess = [visit.lower - positions, positions - visit.upper]
+    excess = np.maximum(visit.lower - positions, positions - visit.upper).max(axis=1)
+    beside = np.where(excess > of_place(vehicle), excess, 0.0)
     if visit.speed is not None and vehicle.system.velocity is not None:
-        excess.append(np.abs(states[:, list(vehicle.system.velocity)]) - visit.speed)
-    return np.asarray(np.concatenate(excess, axis=1).max(axis=1))
+        speeds = np.abs(states[:, list(vehicle.system.velocity)])
+        excess = (speeds - visit.speed).max(axis=1)
+        beside = np.maximum(beside, np.where(excess > of_speed(vehicle), excess, 0.0))
+    return np.asarray(beside)
 
 
 def arrival_step(vehicle: Vehicle, states: Matrix) -> int:
@@ -83,7 +87,7 @@ def arrival_step(vehicle: Vehicle, states: Matrix) -> int:
     first, last = (horizon, horizon) if goal.within is None else goal.within
     beside = _beside(vehicle, Visit(goal.lower, goal.upper, speed=goal.speed), states)
     step = last
-    while step > first and beside[step - 1] <= _TOL:
+    while step > first and beside[step - 1] == 0.0:
         step -= 1
     return step
 
@@ -110,7 +114,7 @@ def time_to_come(plan: Plan, passed: int) -> float:
         arrived = arrival_step(vehicle, path.means)
         goal = Visit(vehicle.goal.lower, vehicle.goal.upper, speed=vehicle.goal.speed)
         # A window is open from its step 1 on at the earliest: a vehicle there before needs none.
-        is_there = arrived == 1 and _beside(vehicle, goal, path.means[:1])[0] <= _TOL
+        is_there = arrived == 1 and _beside(vehicle, goal, path.means[:1])[0] == 0.0
         total += max(arrived - is_there - passed, 0)
     return plan.scenario.time_weight * plan.scenario.dt * total
 
@@ -135,7 +139,7 @@ def arrival_problems(vehicle: Vehicle, states: Matrix) -> list[str]:
         return []
     due = goal.within[1]
     beside = _beside(vehicle, Visit(goal.lower, goal.upper, speed=goal.speed), states)
-    late = np.flatnonzero(beside[due:] > _TOL)
+    late = np.flatnonzero(beside[due:] > 0.0)
     if not late.size:
         return []
     step = due + int(late[-1])

@@ -26,7 +26,8 @@ __all__ = ["Flags", "leaves_workspace", "loses_range", "meets_origin", "meets_so
 Flags = npt.NDArray[np.bool_]
 
 _FINENESS = 1e-6
-"""Sagitta below which a piece of a path counts as its chord [m]. At a millimeter, vehicles that
+"""Sagitta below which a piece of a path counts as its chord [m], and as many radii where these are
+below a meter. At a millimeter, vehicles that
 start in contact and part were found to touch in 91 % of samples where they do in 99 %."""
 
 _LOOKS = 16
@@ -120,7 +121,7 @@ def _curves_hit(paths: _Paths, compare: Compare) -> Flags:
         num_windows = 2**level
         here, there = windows / num_windows, (windows + 1) / num_windows
         slack = sagittas[owners] / num_windows**2
-        slack[slack <= _FINENESS] = 0.0
+        slack[slack <= _FINENESS * np.minimum(paths.reaches[owners], 1.0)] = 0.0
         chords = paths.at(owners, here), paths.at(owners, there)
         limits = paths.reaches[owners] - CONTACT_TOL
         sure, doubtful = compare(chords, limits - slack, limits + slack, windows, num_windows)
