@@ -9,8 +9,15 @@ from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Trajectory
 from radmpc.model.relations.alike import covariances_of_all
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
 
 __all__ = ["cost_of", "trajectories_of"]
+
+_REACHED = 1e-6
+"""What a mean may miss a goal or its speed by and count as arrived [m, m/s]."""
+
+_OF_RADIUS = 1e-3
+"""Share of the radius that this is at most [-], where lengths are in kilometers."""
 
 
 def trajectories_of(
@@ -61,8 +68,15 @@ def cost_of(scenario: Scenario, trajectories: tuple[Trajectory, ...]) -> float:
     ]
     cost = float(np.sum(efforts))
     if scenario.time_weight > 0.0:
-        from radmpc.referee.claims.visits import arrival_step  # noqa: PLC0415 - few pay for time
-
-        steps = [arrival_step(v, t.means) for v, t in pairs if v.goal.within is not None]
+        steps = [_arrival(v, t.means) for v, t in pairs if v.goal.within is not None]
         cost += scenario.time_weight * scenario.dt * sum(steps)
     return cost
+
+
+def _arrival(vehicle: Vehicle, means: Matrix) -> int:
+    """Return the step at which a vehicle arrives, the last of its window where it is late."""
+    velocity = vehicle.system.velocity
+    speeds = None if velocity is None else means[:, list(velocity)]
+    places = means[:, list(vehicle.system.position)]
+    step = vehicle.goal.arrival(places, speeds, min(_REACHED, _OF_RADIUS * vehicle.radius))
+    return vehicle.goal.window(len(means) - 1)[1] if step is None else step
