@@ -140,8 +140,50 @@ def test_a_mission_without_a_next_window_flies_the_last_one_to_its_end() -> None
     assert mission.is_stranded
     assert mission.is_over
     assert len(flight.states) == 9
+    # Not "the mission is at its end".
+    end = "the mission is stranded after 8 of 24 steps: no next window: no plan was found from here"
+    assert flight.ticks[-1].reason == end
+    with pytest.raises(ArgumentError, match=f"^{end}$"):
+        mission.step(flight.states[-1])
+    assert repr(mission) == (
+        "LongMission('paper-1-1': stranded after 8 steps; wealth 0.05 of Δ = 0.05; no collision)"
+    )
     # Asked for the next window at steps 5 to 8, and for better ones of its own at every step.
     assert asked.count(8) == 6
+
+
+def test_a_mission_tells_why_it_has_no_next_window() -> None:
+    scenario = far()
+
+    def stranded(contacts: tuple[Contact, ...], is_measured: bool) -> str:
+        mission = LongMission(
+            scenario, window=8, overlap=1, guide=straight(scenario), planner=steering, warm=False
+        )
+        states, _ = (model := Model(scenario, 2)).reset()
+        while not mission.is_over:
+            told = contacts if len(mission.ticks) == 4 else ()
+            is_told = is_measured or len(mission.ticks) < 7
+            tick = mission.step(states if is_told else None, contacts=told)
+            if tick.segments:
+                states, _ = model.advance(tick.segments)
+        return mission.ticks[-1].reason.partition("no next window: ")[2]
+
+    name = scenario.vehicles[0].name
+    assert stranded((), is_measured=False) == "not all vehicles were measured"
+    hit = (Contact(4, "obstacle", name, "rock"),)
+    assert stranded(hit, is_measured=True) == "something was hit"
+
+
+def test_a_long_mission_is_shown_in_one_line() -> None:
+    scenario = far()
+    mission = LongMission(
+        scenario, window=8, overlap=3, guide=straight(scenario), planner=steering, warm=False
+    )
+    assert repr(mission) == (
+        "LongMission('paper-1-1': step 0 of 24; wealth 0.05 of Δ = 0.05; no collision)"
+    )
+    fly(mission, Model(scenario, 2))
+    assert repr(mission).startswith("LongMission('paper-1-1': over after 24 steps; wealth 0.0")
 
 
 def test_a_window_that_costs_more_than_its_share_is_not_begun() -> None:
@@ -154,7 +196,8 @@ def test_a_window_that_costs_more_than_its_share_is_not_begun() -> None:
         controls[:, 0] = 0.9
         return leg_of(scene, [controls], 0).plan
 
-    with pytest.raises(NoPlanError, match="no plan of the first 4 steps"):
+    why = "no plan of the first 4 steps was found within their risk: the plan costs 2, its share"
+    with pytest.raises(NoPlanError, match=why):
         LongMission(scenario, window=4, overlap=1, guide=lambda step: wide, planner=reckless)
 
 
