@@ -45,19 +45,6 @@ def test_without_a_planner_the_plan_is_flown_and_the_bank_stays(result: Result) 
         assert all(np.array_equal(a, b) for a, b in zip(tick.controls, controls, strict=False))
 
 
-def test_a_mission_is_shown_in_one_line() -> None:
-    mission = Mission(waiting(beside_a_wall()), planner=None)
-    assert repr(mission) == "Mission('wall': step 0 of 10; wealth 0.05 of Δ = 0.05; no collision)"
-    fly(mission, Model(mission.scenario, 3))
-    assert repr(mission).startswith("Mission('wall': over after 10 steps; wealth 0.0")
-    struck = Mission(waiting(beside_a_wall()), planner=None)
-    struck.step([v.start for v in struck.scenario.vehicles])
-    hit = [Contact(1, "obstacle", "v", "wall")]
-    struck.step([v.start for v in struck.scenario.vehicles], contacts=hit)
-    assert repr(struck).startswith("Mission('wall': step 2 of 10; wealth 0.0")
-    assert repr(struck).endswith("; something was hit)")
-
-
 @pytest.mark.slow
 def test_a_flight_is_told_in_one_line(result: Result) -> None:
     told = repr(flown(result, planner=None))

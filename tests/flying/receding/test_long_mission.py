@@ -152,40 +152,6 @@ def test_a_mission_without_a_next_window_flies_the_last_one_to_its_end() -> None
     assert asked.count(8) == 6
 
 
-def test_a_mission_tells_why_it_has_no_next_window() -> None:
-    scenario = far()
-
-    def stranded(contacts: tuple[Contact, ...], is_measured: bool) -> str:
-        mission = LongMission(
-            scenario, window=8, overlap=1, guide=straight(scenario), planner=steering, warm=False
-        )
-        states, _ = (model := Model(scenario, 2)).reset()
-        while not mission.is_over:
-            told = contacts if len(mission.ticks) == 4 else ()
-            is_told = is_measured or len(mission.ticks) < 7
-            tick = mission.step(states if is_told else None, contacts=told)
-            if tick.segments:
-                states, _ = model.advance(tick.segments)
-        return mission.ticks[-1].reason.partition("no next window: ")[2]
-
-    name = scenario.vehicles[0].name
-    assert stranded((), is_measured=False) == "not all vehicles were measured"
-    hit = (Contact(4, "obstacle", name, "rock"),)
-    assert stranded(hit, is_measured=True) == "something was hit"
-
-
-def test_a_long_mission_is_shown_in_one_line() -> None:
-    scenario = far()
-    mission = LongMission(
-        scenario, window=8, overlap=3, guide=straight(scenario), planner=steering, warm=False
-    )
-    assert repr(mission) == (
-        "LongMission('paper-1-1': step 0 of 24; wealth 0.05 of Δ = 0.05; no collision)"
-    )
-    fly(mission, Model(scenario, 2))
-    assert repr(mission).startswith("LongMission('paper-1-1': over after 24 steps; wealth 0.0")
-
-
 def test_a_window_that_costs_more_than_its_share_is_not_begun() -> None:
     scenario = slalom(0.1, gates=3)
     wide = [Goal.at([7.0, 0.0], 50.0, None)]
