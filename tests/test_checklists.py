@@ -206,7 +206,6 @@ def test_a_format_of_ones_own_is_written(monkeypatch):
     with pytest.raises(ScenarioError, match="must be one of"):
         export_plan(planned, "toy", "toys.json")
     monkeypatch.setitem(exporting._FLEET, "toy", write_toy)
-    monkeypatch.setattr(exporting, "_LOCAL", {*exporting._LOCAL, "toy"})
     # The file makes this of its registries.
     monkeypatch.setattr(exporting, "FORMATS", (*exporting._SINGLE, *exporting._FLEET))
     exported = export_plan(planned, "toy", "toys.json")

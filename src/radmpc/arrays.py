@@ -146,7 +146,8 @@ def _numbers(value: npt.ArrayLike, path: tuple[str | int, ...]) -> npt.NDArray[n
     try:
         raw = np.asarray(value)
         if raw.dtype.kind in _NUMBERS:
-            return np.array(raw, dtype=np.float64)
+            # Row by row whatever came: products of other layouts round otherwise.
+            return np.array(raw, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as error:
         raise ScenarioError(
             f"must be numbers of equal row length, got {value_text(value)}", path

@@ -7,7 +7,7 @@ from threading import RLock
 from radmpc.flying.account import Account
 from radmpc.flying.leg import Leg
 from radmpc.flying.locking import one_at_a_time
-from radmpc.flying.tick import Contact, Entry, Tick, entered, failure
+from radmpc.flying.tick import Contact, Entry, Tick, entered, failure, progress_text
 from radmpc.model.scenario import Scenario
 
 __all__ = ["Logbook"]
@@ -78,6 +78,12 @@ class Logbook:
         """Whether the last step has been measured."""
         return self._step > self._scenario.horizon
 
+    def __repr__(self) -> str:
+        """Return how far it is in one line."""
+        end = f"over after {self._scenario.horizon} steps" if self.is_over else None
+        told = progress_text(self._scenario, self._step, self._account.wealth, end)
+        return f"{type(self).__name__}({told}; {self._failure() or 'no collision'})"
+
     @one_at_a_time
     def set_risk_bound(self, risk_bound: float) -> None:
         """Change Δ under way: more goes to the bank, less is taken from it.
@@ -96,7 +102,7 @@ class Logbook:
         self._enter("bound", None)
 
     def _failure(self) -> str:
-        """Return in a few words why the mission has failed, where it has."""
+        """Return in a few words why the mission has failed; empty where it has not."""
         return failure(self._contacts[self._past :])
 
     def _enter(self, what: str, price: float | None) -> None:

@@ -10,7 +10,7 @@ from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
 
-__all__ = ["Contact", "Entry", "Segment", "Tick", "entered", "failure", "segments"]
+__all__ = ["Contact", "Entry", "Segment", "Tick", "entered", "failure", "progress_text", "segments"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,15 +36,35 @@ class Contact:
 
 
 def failure(contacts: Sequence[Contact]) -> str:
-    """Return in a few words why a mission has failed.
+    """Return in a few words why a mission has failed; empty where nothing was hit or lost.
 
     Parameters
     ----------
     contacts : sequence of Contact
-        One at least.
+        Since the account was opened.
     """
+    if not contacts:
+        return ""
     is_hit = any(contact.cause != "range" for contact in contacts)
     return "something was hit" if is_hit else "a range was lost"
+
+
+def progress_text(scenario: Scenario, step: int, wealth: float, end: str | None) -> str:
+    """Return how far a mission is, and what is left of Δ.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the mission.
+    step : int
+        At which the next decision is due.
+    wealth : float
+        What another leg might cost [-].
+    end : str or None
+        How the mission ended; None while it is under way.
+    """
+    where = f"step {step} of {scenario.horizon}" if end is None else end
+    return f"{scenario.name!r}: {where}; wealth {wealth:.3g} of Δ = {scenario.risk_bound:g}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

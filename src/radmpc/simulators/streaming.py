@@ -17,9 +17,6 @@ __all__ = ["STALE", "Stream"]
 STALE = 0.5
 """Age from which a state is no measurement [s]: at 2 m/s a meter."""
 
-_AGAIN = 1.0
-"""After which a command without an answer is sent again [s]."""
-
 _TIMES = 3
 """How often a vehicle is told to hold when nobody waits for its answer [-]: one may be lost."""
 

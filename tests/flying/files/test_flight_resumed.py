@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 from recorded_flights import beside_the_wall, certified, drifting, forged, without_seconds
 
@@ -20,7 +21,7 @@ from radmpc.flying.model import Model
 from radmpc.flying.recording.campaign import begin_flight, resume_flight
 from radmpc.flying.recording.verifying import flight_problems
 from radmpc.io.flight.flight_file import FlightWriter, load_flight
-from radmpc.io.flight.record import FlightSettings
+from radmpc.io.flight.record import FlightRecord, FlightSettings
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 
@@ -45,6 +46,54 @@ def test_a_flight_that_was_stopped_goes_on_as_if_it_had_not(tmp_path: Path, plan
         assert without_seconds(record) == without_seconds(whole)
         assert without_seconds(load_flight(path)) == without_seconds(whole)
         assert load_flight(path).changed == ()
+
+
+def stopped(plan: Plan, settings: FlightSettings, path: Path, ticks: int) -> FlightRecord:
+    """Fly until some ticks were flown."""
+    left = iter(range(ticks + 1))
+    return begin_flight(plan, settings, path, stop=lambda: next(left, None) is None)
+
+
+def test_a_flight_of_matrices_as_columns_goes_on_to_the_last_digit(tmp_path: Path) -> None:
+    rng = np.random.default_rng(2)
+    eye, zero = np.eye(2), np.zeros((2, 2))
+    A = np.block([[eye, 0.5 * eye], [zero, eye]]) + 0.01 * rng.standard_normal((4, 4))
+    B = np.vstack([0.125 * eye, 0.5 * eye]) + 0.01 * rng.standard_normal((4, 2))
+    system = radmpc.LinearSystem(np.asfortranarray(A), np.asfortranarray(B), (0, 1), (2, 3))
+    gain = np.hstack([-0.3 * eye, -0.9 * eye]) + 0.01 * rng.standard_normal((2, 4))
+    plan = drifting(2)
+    [vehicle] = plan.scenario.vehicles
+    vehicle = replace(vehicle, system=system, gain=np.asfortranarray(gain), control_limit=9.0)
+    scenario = replace(plan.scenario, dt=0.5, vehicles=(vehicle,))
+    plan = certified(leg_of(scenario, [0.1 * rng.standard_normal((6, 2))], 0).plan)
+    once = replace(KEPT, missions=1)
+    whole = begin_flight(plan, once, tmp_path / "whole.jsonl")
+    stopped(plan, once, tmp_path / "cut.jsonl", 2)
+    assert without_seconds(resume_flight(tmp_path / "cut.jsonl")) == without_seconds(whole)
+
+
+@pytest.mark.slow
+def test_a_flight_that_was_unsafe_twice_goes_on_to_the_last_digit(tmp_path: Path) -> None:
+    rock = radmpc.Obstacle.box("rock", [1.0, -0.5], [1.2, 0.5])
+    vehicle = radmpc.Vehicle(
+        name="v",
+        system=radmpc.double_integrator(0.5, 2),
+        start=[0.13, 0.07, 0.0, 0.0],
+        goal=radmpc.Goal.at([2.4, 0.0], 1.0, None),
+        radius=0.3,
+        control_limit=2.0,
+        initial_covariance=np.diag([1e-3, 1e-3, 1e-4, 1e-4]),
+        disturbance_covariance=1e-3,
+    )
+    scenario = radmpc.Scenario("rock", 0.5, 8, 0.2, (vehicle,), (rock,))
+    plan = radmpc.plan(scenario, rng=0).plan
+    assert plan is not None
+    replanned = FlightSettings(replan="certified", seed=5)
+    whole = begin_flight(plan, replanned, tmp_path / "whole.jsonl")
+    unsafe = [row for row in whole.rows if row.value is not None and row.value > 0.2]
+    assert len(unsafe) >= 2
+    stopped(plan, replanned, tmp_path / "cut.jsonl", 1)
+    assert without_seconds(resume_flight(tmp_path / "cut.jsonl")) == without_seconds(whole)
 
 
 @pytest.mark.slow

@@ -140,6 +140,14 @@ def test_a_mission_without_a_next_window_flies_the_last_one_to_its_end() -> None
     assert mission.is_stranded
     assert mission.is_over
     assert len(flight.states) == 9
+    # Not "the mission is at its end".
+    end = "the mission is stranded after 8 of 24 steps: no next window: no plan was found from here"
+    assert flight.ticks[-1].reason == end
+    with pytest.raises(ArgumentError, match=f"^{end}$"):
+        mission.step(flight.states[-1])
+    assert repr(mission) == (
+        "LongMission('paper-1-1': stranded after 8 steps; wealth 0.05 of Δ = 0.05; no collision)"
+    )
     # Asked for the next window at steps 5 to 8, and for better ones of its own at every step.
     assert asked.count(8) == 6
 
@@ -154,7 +162,8 @@ def test_a_window_that_costs_more_than_its_share_is_not_begun() -> None:
         controls[:, 0] = 0.9
         return leg_of(scene, [controls], 0).plan
 
-    with pytest.raises(NoPlanError, match="no plan of the first 4 steps"):
+    why = "no plan of the first 4 steps was found within their risk: the plan costs 2, its share"
+    with pytest.raises(NoPlanError, match=why):
         LongMission(scenario, window=4, overlap=1, guide=lambda step: wide, planner=reckless)
 
 

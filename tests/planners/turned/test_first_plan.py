@@ -14,7 +14,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.turned import attempts as making
 from radmpc.planners.certified.turned.detours import detours
-from radmpc.planners.certified.turned.narrow.prioritized import prioritized
+from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks
 from radmpc.planners.certified.turned.paths import timed
 from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.successive import SuccessiveLp
@@ -180,7 +180,8 @@ def test_a_plan_among_turned_half_spaces_costs_no_more_than_by_faces() -> None:
 def test_prioritized_ways_keep_off_each_other_and_off_the_walls_at_every_step() -> None:
     scenario = import_scenario(INSTANCES / "s2m2" / "zigzag.yaml").scenario
     hazards = Hazards.of(scenario, condensed_models(scenario))
-    routes = prioritized(hazards, lambda: False)
+    placed, ticks = prioritized_ticks(hazards, lambda: False)
+    routes = {i: path[::ticks] for i, path in placed.items()}
     assert sorted(routes) == list(range(hazards.count))
     faces = [piece for obstacle in scenario.obstacles for piece in obstacle.at(0)]
     for i, route in routes.items():
@@ -200,7 +201,7 @@ def test_prioritized_planning_says_when_nobody_gets_through() -> None:
     wall = Obstacle.box("wall", np.array([-100.0, -100.0]), np.array([100.0, 100.0]))
     blocked = replace(scenario, obstacles=(wall,), workspace=None)
     hazards = Hazards.of(blocked, condensed_models(blocked))
-    assert prioritized(hazards, lambda: False) == {}
+    assert prioritized_ticks(hazards, lambda: False)[0] == {}
 
 
 def beside_a_post(clearance: float) -> Scenario:

@@ -214,6 +214,9 @@ class Sources:
     def _warm(self, moment: Moment, asked: tuple[Leg, float], timer: Timer) -> Iterator[Candidate]:
         """Yield candidates near the paths in the air."""
         (leg, grant), warm = asked, self.warm
+        if not self.is_warm:
+            # Asked now and then, it is to find the same in a flight that was resumed in between.
+            warm.forget()
         left = moment.left(grant)
         controls = leg.mean_controls(moment.step, moment.states)
         scale = moment.evidence.scale

@@ -16,7 +16,7 @@ from radmpc.flying.measuring import check_contacts, measured
 from radmpc.flying.receding.itinerary import Guide, Itinerary, Progress
 from radmpc.flying.receding.reserve import Reserve
 from radmpc.flying.receding.window import Handover, Window, scene_of
-from radmpc.flying.tick import Contact, Entry, Tick
+from radmpc.flying.tick import Contact, Entry, Tick, failure, progress_text
 from radmpc.flying.warm.goals import widened
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
@@ -104,9 +104,13 @@ class LongMission:
         self._contacts: list[Contact] = []
         self._reserve = Reserve(scenario.risk_bound)
         self._lock = RLock()
+        self._why_none = ""  # why there is no next window, in a clause
         found = self._opened(0, None)
         if found is None:
-            raise NoPlanError(f"no plan of the first {window} steps was found within their risk")
+            raise NoPlanError(
+                f"no plan of the first {min(window, scenario.horizon)} steps was found within "
+                f"their risk: {self._why_none}"
+            )
         self._mission, self._seen = found, 0
 
     @property
@@ -196,20 +200,34 @@ class LongMission:
         check_contacts(contacts)
         known = measured(self._scenario, states)
         self._contacts += contacts
-        if known is not None and self._is_due(step):
+        if self._is_due(step):
             self._extend(step, known, deadline)
         tick = self._mission.step(states, deadline=deadline, contacts=contacts)
         tick = replace(tick, step=step, wealth=tick.wealth + self._reserve.amount)
         self._take_entries()
         self._ticks.append(tick)
+        if self.is_stranded:
+            self._ticks[-1] = tick = replace(tick, reason=self._end())
         return tick
+
+    def __repr__(self) -> str:
+        """Return how far it is in one line."""
+        end = None
+        if self.is_over:
+            flown = count_text(len(self._ticks) - 1, "step")
+            end = f"{'stranded' if self.is_stranded else 'over'} after {flown}"
+        wealth = self._entries[-1].wealth if self._entries else self._scenario.risk_bound
+        told = progress_text(self._scenario, len(self._ticks), wealth, end)
+        return f"LongMission({told}; {failure(self._contacts) or 'no collision'})"
 
     def _end(self) -> str:
         """Return in a few words that no step is left to fly."""
         horizon = self._scenario.horizon
         if self.is_stranded:
             flown = len(self._ticks) - 1
-            return f"the mission is stranded after {flown} of {horizon} steps: no next window"
+            why = failure(self._contacts) or self._why_none
+            where = f"after {flown} of {horizon} steps"
+            return f"the mission is stranded {where}: no next window: {why}"
         return f"the mission of {count_text(horizon, 'step')} is over"
 
     def _is_due(self, step: int) -> bool:
@@ -217,8 +235,11 @@ class LongMission:
         end = self._mission.began + self._mission.scenario.horizon
         return not self._contacts and end < self._scenario.horizon and end - step <= self._overlap
 
-    def _extend(self, step: int, states: tuple[Vector, ...], deadline: float | None) -> None:
+    def _extend(self, step: int, states: tuple[Vector, ...] | None, deadline: float | None) -> None:
         """Plan the next window from here; fly this one on where that fails."""
+        if states is None:
+            self._why_none = "not all vehicles were measured"
+            return
         found = self._opened(step, self._mission.handover(states), deadline)
         if found is not None:
             self._mission.close()
@@ -232,6 +253,7 @@ class LongMission:
         wealth = 0.0 if before is None else before.wealth
         grant = self._reserve.grant(wealth, end - step, self._scenario.horizon - step, _MOST)
         if grant < _LEAST_GRANT:
+            self._why_none = f"it might risk {grant:.3g}, too little to plan with"
             return None
         ahead = self._itinerary.until(end)
         scene, known, scale = scene_of(ahead, step, grant, before)
@@ -239,7 +261,11 @@ class LongMission:
         scene = self._itinerary.asked(scene, step, done)
         order = Order(scene, widened(scene), 0, scale, is_timed=deadline is not None)
         found = answered(self._planning, order, deadline, known)
-        if found.leg is None or found.leg.price > grant:
+        if found.leg is None:
+            self._why_none = found.reason
+            return None
+        if (price := found.leg.price) > grant:
+            self._why_none = f"the plan costs {price:.3g}, its share of Δ is {grant:.3g}"
             return None
         mission = Window(found.leg.plan, ahead, step, before, **self._options)
         self._reserve = self._reserve.given(wealth, grant)

@@ -129,6 +129,11 @@ class WarmSearch:
             low, high = TUNING.ratios
             self._ratio = float(np.clip(certified / self._risk, low, high))
 
+    def forget(self) -> None:
+        """Keep nothing of earlier searches: the next one is as the first."""
+        self._to_goals, self._beside, self._groups = _Kept(), _Kept(), ()
+        self._ratio, self._risk = TUNING.first_ratio, 0.0
+
     def dearer(self, asked: Try, certified: float) -> None:
         """Raise the price after controls that risk too much.
 

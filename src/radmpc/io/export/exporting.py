@@ -47,7 +47,6 @@ _SINGLE: Mapping[str, Callable[[Job, TimedPath], bytes]] = {
     "qgc": write_qgc,
     "waypoints": write_waypoints,
 }
-_LOCAL = {"csv", "mcap"}  # no place on earth needed
 
 FORMATS = (*_SINGLE, *_FLEET)
 

@@ -19,7 +19,7 @@ from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.joint_search import GoalGraph, joint_search
 from radmpc.planners.certified.turned.narrow.knots import joint_routes
 from radmpc.planners.certified.turned.narrow.pacing import Pacing
-from radmpc.planners.certified.turned.narrow.prioritized import prioritized, prioritized_ticks
+from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks
 from radmpc.planners.certified.turned.narrow.routes import shortest_routes
 from radmpc.planners.certified.turned.narrow.track import track
 from radmpc.program.build import condensed_models
@@ -200,7 +200,7 @@ def test_an_order_that_shut_somebody_out_is_not_tried_again(tmp_path: Path) -> N
 def test_a_bay_lets_two_swap_where_no_order_of_priority_does(tmp_path: Path) -> None:
     scenario = corridor_with_a_bay(tmp_path)
     hazards = hazards_of(scenario)
-    assert prioritized(hazards, never) == {}
+    assert prioritized_ticks(hazards, never)[0] == {}
     clear = Clear.of(hazards)
     assert clear is not None
     routes = joint_routes(hazards, clear, np.random.default_rng(0), never)

@@ -17,14 +17,16 @@ from radmpc.planners.certified.turned.grid import Grid
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
-__all__ = ["prioritized", "prioritized_ticks"]
+__all__ = ["prioritized_ticks"]
 
 Places = dict[int, Matrix]
 """Where vehicles are at every tick, (K+1, d) each [m], by their numbers."""
 
 
-def prioritized(hazards: Hazards, is_stopped: Callable[[], bool]) -> Mapping[int, Matrix]:
-    """Return where all vehicles would be at each step, none within reach of another.
+def prioritized_ticks(
+    hazards: Hazards, is_stopped: Callable[[], bool]
+) -> tuple[Mapping[int, Matrix], int]:
+    """Return where all vehicles would be at every tick, none within reach of another.
 
     Parameters
     ----------
@@ -35,27 +37,9 @@ def prioritized(hazards: Hazards, is_stopped: Callable[[], bool]) -> Mapping[int
 
     Returns
     -------
-    mapping of int to (T+1, d) array
-        Positions [m]; empty where no order of those tried leads to any.
-    """
-    placed, ticks = prioritized_ticks(hazards, is_stopped)
-    return {i: path[::ticks] for i, path in placed.items()}
-
-
-def prioritized_ticks(
-    hazards: Hazards, is_stopped: Callable[[], bool]
-) -> tuple[Mapping[int, Matrix], int]:
-    """Return the same at every tick, in the order in which vehicles were placed, and ticks a step.
-
-    Parameters
-    ----------
-    hazards, is_stopped
-        As in `prioritized`.
-
-    Returns
-    -------
     mapping of int to (K+1, d) array
-        Positions [m]; empty where no order of those tried leads to any.
+        Positions [m], in the order in which vehicles were placed; empty where no order of those
+        tried leads to any.
     int
         Ticks per step, K/T.
     """
