@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
+import { outlineSpots } from "../src/scene/layers/names.ts";
 import { HIGH, namePlaces } from "../src/space/naming.ts";
 
 const AREA = 1000 * 700;
@@ -49,4 +50,18 @@ test("a name keeps off the numbers of axes", () => {
 
 test("hundreds of vehicles in one picture have no names", () => {
   assert.ok(namePlaces(grid(300, 2), [], AREA).every((place) => place === null));
+});
+
+const CAMERA = { scale: 20, px: (x) => 20 * x, py: (y) => 600 - 20 * y };
+const obstacle = (ring, only = null) => ({ name: "mole", kind: "polygon", rings: [ring], corners: [], moving: null, only });
+
+test("the name of an obstacle lies on it, though its middle lies outside", () => {
+  const hook = [[0, 0], [2, 0], [2, 6], [8, 6], [8, 8], [0, 8]];
+  const [spot] = outlineSpots(obstacle(hook), CAMERA, 40);
+  const [x, y] = [(spot.left + spot.width / 2) / 20, (600 - spot.top - spot.height / 2) / 20];
+  assert.ok(y > 6 && y < 8 && x > 0 && x < 8, `at ${x}, ${y}`);
+});
+
+test("an obstacle narrower than its name has none", () => {
+  assert.deepEqual(outlineSpots(obstacle([[0, 0], [1, 0], [1, 9], [0, 9]]), CAMERA, 40), []);
 });
