@@ -168,13 +168,15 @@ def test_thirty_drones_in_space_have_their_names_beside_them(screen, server):
     content = {"format": "radmpc/scenario/1", "name": "swarm", "dt": 0.5, "horizon": 10}
     content |= {"risk_bound": 0.05, "vehicles": vehicles}
     content |= {"defaults": {"radius": 0.2, "control_limit": 5, "initial_covariance": 0.001}}
-    page = screen(server.open("swarm.yaml", json.dumps(content)))
+    document = server.open("swarm.yaml", json.dumps(content))
+    page = screen(document)
     names = page.page.locator(".space-name:visible")
     until(lambda: names.count() >= 20)
     boxes = [name.bounding_box() for name in names.all()]
     for one, two in itertools.combinations(boxes, 2):
         is_apart = abs(one["x"] - two["x"]) >= min(one["width"], two["width"])
         assert is_apart or abs(one["y"] - two["y"]) >= one["height"]
+    server.call("close", document=document)
 
 
 def test_a_thousand_vehicles_scrub_in_thirty_frames_a_second(screen, server):

@@ -16,7 +16,6 @@ from radmpc.io.native.encoding import encode_scenario
 from radmpc.model.plan import Status
 from radmpc.planning import plan
 from radmpc.referee import simulate
-from radmpc.serving.desk.calls import answer
 from radmpc.serving.desk.files import exported
 from radmpc.serving.documents.content import changed
 from radmpc.serving.failures import CallError
@@ -296,38 +295,3 @@ def test_a_chart_is_added_where_it_is_on_earth_or_in_the_middle_of_the_workspace
     corners = corners_of(read_obstacles(Told(), ground, "coast.geojson", document))
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     np.testing.assert_allclose(middle, [6, 4], atol=0.6)
-
-
-@pytest.mark.parametrize(
-    ("options", "text"),
-    [
-        ({"with": "submarine"}, "options.with must be one of model, rotorpy, irsim, boat, got "),
-        ({"replan": "magic"}, "options.replan must be one of none, "),
-        ({"replan": "multi-vehicle(1e-4"}, "options.replan must be one of none, "),
-        ({"with": "mavlink"}, "'mavlink' is not flown from a page: radmpc fly --with mavlink"),
-    ],
-)
-def test_a_flight_with_what_there_is_none_of_is_refused_before_it_begins(options, text):
-    begun = []
-    desk = SimpleNamespace(plan=lambda _: None, begin_flight=lambda *args: begun.append(args))
-    args = {"plan": "p1", "seed": 0, "pace": 0.0, "options": options}
-    with pytest.raises(CallError) as failure:
-        asyncio.run(answer(desk, "fly", args))
-    assert failure.value.kind == "refused"
-    assert text in str(failure.value)
-    assert "\n" not in str(failure.value)
-    assert begun == []
-
-
-@pytest.mark.parametrize("replan", ["none", "certified", "multi-vehicle(1e-4)", None])
-def test_a_flight_with_what_there_is_begins(replan):
-    begun = []
-
-    def begin(_, how):
-        begun.append(how[2])
-        return SimpleNamespace(state="running")
-
-    desk = SimpleNamespace(plan=lambda _: None, begin_flight=begin)
-    args = {"plan": "p1", "seed": 0, "pace": 0.0, "options": {"with": "boat", "replan": replan}}
-    assert asyncio.run(answer(desk, "fly", args)) == "running"
-    assert begun == [{"with": "boat", "replan": replan}]
