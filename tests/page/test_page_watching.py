@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 import re
 
 import numpy as np
@@ -155,6 +157,26 @@ def test_scenes_in_space_turn_by_hand_and_by_keys(screen, server):
     assert len(picture) > 10_000
     assert page.page.locator(".space-labels").get_by_text("x [m]").is_visible()
     assert page.violations() == []
+
+
+def test_thirty_drones_in_space_have_their_names_beside_them(screen, server):
+    places = [(4 * (i % 6), 4 * (i // 6), 2 + i % 3) for i in range(30)]
+    vehicles = [
+        {"name": f"drone {i}", "start": list(at), "goal": {"center": [at[0], at[1], 9]}}
+        for i, at in enumerate(places)
+    ]
+    content = {"format": "radmpc/scenario/1", "name": "swarm", "dt": 0.5, "horizon": 10}
+    content |= {"risk_bound": 0.05, "vehicles": vehicles}
+    content |= {"defaults": {"radius": 0.2, "control_limit": 5, "initial_covariance": 0.001}}
+    document = server.open("swarm.yaml", json.dumps(content))
+    page = screen(document)
+    names = page.page.locator(".space-name:visible")
+    until(lambda: names.count() >= 20)
+    boxes = [name.bounding_box() for name in names.all()]
+    for one, two in itertools.combinations(boxes, 2):
+        is_apart = abs(one["x"] - two["x"]) >= min(one["width"], two["width"])
+        assert is_apart or abs(one["y"] - two["y"]) >= one["height"]
+    server.call("close", document=document)
 
 
 def test_a_thousand_vehicles_scrub_in_thirty_frames_a_second(screen, server):

@@ -1,15 +1,19 @@
-"""Flights that are read from their files, as the page is told of them."""
+"""Flights that are read from their files, as the page is told of them, and those that are begun."""
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 import radmpc
 from radmpc.flying.recording.campaign import begin_flight
 from radmpc.io.flight.record import FlightSettings
+from radmpc.serving.desk.calls import answer
 from radmpc.serving.desk.opening import read_file
+from radmpc.serving.failures import CallError
 
 
 @pytest.fixture
@@ -44,3 +48,38 @@ def test_a_flight_that_was_changed_after_it_was_written_is_shown_as_that(flown: 
     assert read_file(flown, "a.flight.jsonl").note == (
         "read from its file, the first of 2 missions; line 2 is not as it was written"
     )
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"with": "submarine"}, "options.with must be one of model, rotorpy, irsim, boat, got "),
+        ({"replan": "magic"}, "options.replan must be one of none, "),
+        ({"replan": "multi-vehicle(1e-4"}, "options.replan must be one of none, "),
+        ({"with": "mavlink"}, "'mavlink' is not flown from a page: radmpc fly --with mavlink"),
+    ],
+)
+def test_a_flight_with_what_there_is_none_of_is_refused_before_it_begins(options, text):
+    begun = []
+    desk = SimpleNamespace(plan=lambda _: None, begin_flight=lambda *args: begun.append(args))
+    args = {"plan": "p1", "seed": 0, "pace": 0.0, "options": options}
+    with pytest.raises(CallError) as failure:
+        asyncio.run(answer(desk, "fly", args))
+    assert failure.value.kind == "refused"
+    assert text in str(failure.value)
+    assert "\n" not in str(failure.value)
+    assert begun == []
+
+
+@pytest.mark.parametrize("replan", ["none", "certified", "multi-vehicle(1e-4)", None])
+def test_a_flight_with_what_there_is_begins(replan):
+    begun = []
+
+    def begin(_, how):
+        begun.append(how[2])
+        return SimpleNamespace(state="running")
+
+    desk = SimpleNamespace(plan=lambda _: None, begin_flight=begin)
+    args = {"plan": "p1", "seed": 0, "pace": 0.0, "options": {"with": "boat", "replan": replan}}
+    assert asyncio.run(answer(desk, "fly", args)) == "running"
+    assert begun == [{"with": "boat", "replan": replan}]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext, redirect_stdout
 from io import StringIO
+from pathlib import Path
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, TypeGuard
 
@@ -17,7 +18,10 @@ from radmpc.system.streams import has_every_letter
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-__all__ = ["note", "show", "show_json", "silence_closed_pipe", "width"]
+__all__ = ["note", "reports_beside", "show", "show_json", "silence_closed_pipe", "width"]
+
+_STDOUT = 1
+"""The descriptor that ``/dev/stdout`` is."""
 
 _PIPED_WIDTH = 5000
 """Width of a line into a pipe or a file [letters]: no line of a report is broken there."""
@@ -72,6 +76,30 @@ def note(text: str) -> None:
         print(f"radmpc: {line}", file=sys.stderr, flush=True)  # noqa: T201 - the console prints
     except BrokenPipeError:
         _close(sys.stderr.fileno())
+
+
+@contextmanager
+def reports_beside(outputs: Iterable[Path]) -> Iterator[None]:
+    """Report on stderr as long as data are written to stdout, as to ``/dev/stdout``.
+
+    Parameters
+    ----------
+    outputs : iterable of Path
+        Where data go.
+    """
+    is_taken = any(_is_stdout(path) for path in outputs)
+    with redirect_stdout(sys.stderr) if is_taken else nullcontext():
+        yield
+
+
+def _is_stdout(path: Path) -> bool:
+    """Whether a path, by whatever name, is where stdout goes; not if that is nowhere."""
+    try:
+        place = path.stat()
+        is_same = os.path.samestat(place, os.fstat(_STDOUT))
+        return is_same and not os.path.samestat(place, os.stat(os.devnull))
+    except OSError:
+        return False
 
 
 @contextmanager

@@ -1,11 +1,14 @@
-"""Help without type names: values are called what they are, arguments have no braces."""
+"""Commands as their users see them: help in their words, and stdout for data alone."""
 
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 from typer.core import TyperCommand
+
+from radmpc.console.output import reports_beside
 
 __all__ = ["PlainCommand"]
 
@@ -43,7 +46,29 @@ _OPTIONS = {
 
 
 class PlainCommand(TyperCommand):
-    """A command whose help names values in words of its users."""
+    """A command whose help names values in words of its users.
+
+    It reports on stderr where stdout is one of its outputs.
+    """
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command.
+
+        Parameters
+        ----------
+        ctx
+            As in typer.
+
+        Returns
+        -------
+        int
+            The exit code.
+        """
+        # Arguments are what is read, options what is written.
+        options = [param.name for param in self.params if param.param_type_name == "option"]
+        paths = [ctx.params.get(name) for name in options]
+        with reports_beside(path for path in paths if isinstance(path, Path)):
+            return super().invoke(ctx)
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """Return what stands behind the command's name, without braces around what is required.

@@ -22,7 +22,7 @@ from radmpc.records import dataclass, replace
 __all__ = ["Clearance", "closest_clearances", "distances_at_steps", "touches_sweep"]
 
 _NEAR = 12.0
-"""Standard deviations beyond which a pair is not looked at."""
+"""Standard deviations beyond which a pair is looked at only where others are as far apart."""
 
 _FINENESS = 20
 """Points per step."""
@@ -79,14 +79,15 @@ def closest_clearances(plan: Plan, most: int) -> tuple[Clearance, ...]:
     Returns
     -------
     tuple of Clearance
-        The closest first. Vehicles that stay far from each other are not looked at.
+        The closest first. Of more than eight vehicles, pairs that stay far from each other are left
+        out, unless they come closer than another of these.
     """
     scenario = plan.scenario
     count = _points_per_step(plan)
     paths = np.array([_fine_path(plan, i, count) for i in range(len(plan.trajectories))])
     noise = np.array([_fine_noise(plan, i, count) for i in range(len(plan.trajectories))])
     times = np.linspace(0.0, scenario.dt * scenario.horizon, paths.shape[1])
-    found = [_of_pair(plan, i, j, paths, noise, times) for i, j in _near_pairs(plan, paths, noise)]
+    found: list[Clearance] = []
     for obstacle in scenario.obstacles:
         for i in range(len(paths)):
             if is_for(obstacle, scenario.vehicles[i].name):
@@ -98,7 +99,20 @@ def closest_clearances(plan: Plan, most: int) -> tuple[Clearance, ...]:
         left = within - (pair.distance + touching)
         found.append(replace(pair, name=f"{pair.name}, range", distance=left))
     at_steps = scenario.avoidance == "steps"
-    return tuple(sorted(found, key=lambda c: c.least(at_steps=at_steps))[:most])
+    widest = np.sqrt(2.0) * max(_spread(noise), 1e-9)  # of a pair, in any direction
+    hulls = 2.0 * max(vehicle.radius for vehicle in scenario.vehicles)
+    reach, pairs = _first_reach(plan, paths, noise), dict[tuple[int, int], Clearance]()
+    while True:
+        for i, j in _pairs_within(paths, reach):
+            if (i, j) not in pairs:
+                pairs[i, j] = _of_pair(plan, i, j, paths, noise, times)
+        ordered = sorted([*found, *pairs.values()], key=lambda c: c.least(at_steps=at_steps))
+        shown = ordered[:most]
+        # Whoever is not within reach is at least this far apart, in standard deviations.
+        beyond = (reach - hulls) / widest
+        if not shown or shown[-1].least(at_steps=at_steps) <= beyond:
+            return tuple(shown)
+        reach *= 2.0
 
 
 def _points_per_step(plan: Plan) -> int:
@@ -167,15 +181,25 @@ def touches_sweep(plan: Plan, i: int, obstacle: Obstacle) -> bool:
     )
 
 
-def _near_pairs(plan: Plan, paths: Tensor, noise: Tensor) -> list[tuple[int, int]]:
-    """Return the pairs that come near each other at any time."""
+def _spread(noise: Tensor) -> float:
+    """Return a standard deviation that no vehicle's place exceeds in any direction [m]."""
+    return float(np.sqrt(np.trace(noise, axis1=2, axis2=3).max()))
+
+
+def _first_reach(plan: Plan, paths: Tensor, noise: Tensor) -> float:
+    """Return the distance within which all pairs are looked at [m]: infinite in small fleets."""
     vehicles = plan.scenario.vehicles
     if len(vehicles) <= 8:
-        return list(combinations(range(len(vehicles)), 2))
-    spread = float(np.sqrt(np.trace(noise, axis1=2, axis2=3).max()))
+        return np.inf
     # Two may come together and part again within what both move from point to point.
     move = float(np.linalg.norm(np.diff(paths, axis=1), axis=2).max(initial=0.0))
-    reach = 6.0 * max(v.radius for v in vehicles) + _NEAR * spread + 2.0 * move
+    return 6.0 * max(v.radius for v in vehicles) + _NEAR * _spread(noise) + 2.0 * move
+
+
+def _pairs_within(paths: Tensor, reach: float) -> list[tuple[int, int]]:
+    """Return the pairs of paths that come within reach of each other at any point."""
+    if np.isinf(reach):
+        return list(combinations(range(len(paths)), 2))
     found: set[tuple[int, int]] = set()
     for k in range(paths.shape[1]):
         found |= cKDTree(paths[:, k]).query_pairs(reach)

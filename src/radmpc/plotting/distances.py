@@ -33,6 +33,10 @@ _TALL = 3.0
 def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes:
     """Draw the distances between hulls over time, for the encounters that come closest.
 
+    Encounters are those between two vehicles, of a vehicle and an obstacle, and ranges that are
+    kept. Closest are those of the fewest standard deviations, which the key tells of each: what is
+    nearer in meters may be less likely to touch.
+
     A line is the distance on the mean paths, the band below it three standard deviations along
     the line between the two: where a band reaches the red line, hulls touching is no rare event.
     Dots are steps; with avoidance at steps they alone count.
@@ -56,12 +60,13 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     check_integer(most, "most", 1)
     axes = new_column(_HEIGHT).add_subplot() if ax is None else ax
     settle_part(axes, "", "time [s]")
-    write_headline(axes, plan.scenario.name, ": closest encounters")
+    write_headline(axes, plan.scenario.name, ": closest encounters in σ")
     if not plan.trajectories:
         return say_nothing(axes, plan)
     clearances = closest_clearances(plan, min(most, len(PALETTE)))
     for number, (clearance, color) in enumerate(zip(clearances, PALETTE, strict=False)):
-        _draw_clearance(axes, clearance, color, number)
+        least = clearance.least(at_steps=plan.scenario.avoidance == "steps")
+        _draw_clearance(axes, clearance, color, number, f"{clearance.name}: {least:.1f}σ")
     axes.axhline(0.0, color=ALERT, linewidth=0.8, zorder=3, gid="allowed")
     axes.annotate(
         "hulls touch", (1.0, 0.0), xycoords=("axes fraction", "data"), xytext=(-2.0, -2.0),
@@ -89,11 +94,11 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     return axes
 
 
-def _draw_clearance(ax: Axes, clearance: Clearance, color: str, number: int) -> None:
+def _draw_clearance(ax: Axes, clearance: Clearance, color: str, number: int, label: str) -> None:
     """Draw one encounter: line, dots at steps, and band."""
     times, distance = clearance.times, clearance.distance
     ax.plot(
-        times, distance, color=color, linewidth=1.1, label=clearance.name, zorder=4,
+        times, distance, color=color, linewidth=1.1, label=label, zorder=4,
         linestyle=("solid", (0, (5, 1.2)), (0, (2, 1)))[number % 3],
         gid=f"distance:{clearance.name}",
     )  # fmt: skip

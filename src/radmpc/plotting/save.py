@@ -21,6 +21,7 @@ from radmpc.plotting.chart import Chart, plot_chart
 from radmpc.plotting.panels import Panel, plot_panels
 from radmpc.plotting.plan import plot_plan
 from radmpc.plotting.risk.ledger_picture import plot_ledger
+from radmpc.system.atomic import write_bytes
 
 __all__ = [
     "FIGURE_SUFFIXES",
@@ -169,7 +170,7 @@ def _figure_of(axes: Axes) -> Figure:
 
 
 def _write(figure: Figure, target: Path) -> None:
-    """Write a figure beside its place, then move it there."""
+    """Write a figure in one piece, through a link or into a pipe as well."""
     kind = target.suffix.lower()[1:]
     # Dates and random ids would make every file differ from the last.
     undated: dict[str, object] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
@@ -177,8 +178,7 @@ def _write(figure: Figure, target: Path) -> None:
     drawn = BytesIO()
     with rc_context({"svg.hashsalt": "radmpc"}):
         figure.savefig(drawn, format=kind, dpi=DPI, metadata=undated[kind])
-    with beside(target) as name:
-        Path(name).write_bytes(drawn.getvalue())
+    write_bytes(target, drawn.getvalue())
 
 
 @contextmanager

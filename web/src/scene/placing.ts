@@ -18,9 +18,14 @@ export class Taken {
     this.#spots.push(spot);
   }
 
+  /** Whether nothing stands in a place yet. */
+  isFree(spot: Spot): boolean {
+    return this.#spots.every((other) => !overlap(spot, other));
+  }
+
   /** Takes the first that is free, and returns it; null where none is. */
   claim(spots: readonly Spot[]): Spot | null {
-    const free = spots.find((spot) => this.#spots.every((other) => !overlap(spot, other)));
+    const free = spots.find((spot) => this.isFree(spot));
     if (free === undefined) return null;
     this.#spots.push(free);
     return free;

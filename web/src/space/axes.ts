@@ -12,10 +12,11 @@ import {
 
 import type { Box } from "../protocol";
 import type { Colors } from "../scene/colors";
-import { around, type Spot, Taken } from "../scene/placing";
+import { type Spot, Taken } from "../scene/placing";
+import { HIGH, type Mark, namePlaces } from "./naming";
 import { point, type Point } from "./types";
 
-const MOST_NAMES = 24; // more would hide what they name
+const MOST_NAMES = 200; // more would hide what they name, however near one comes
 
 /** Round numbers of a range, about `count` of them. */
 export function ticks(low: number, high: number, count = 5): readonly number[] {
@@ -39,9 +40,13 @@ interface Label {
   width: number;
 }
 
-const [HALF, HIGH] = [5.5, 11]; // of a text [px]
-const BESIDE = 5; // of a vehicle, on the screen [px]
-const ORDER = [4, 5, 0, 1, 2, 3]; // of the places around it: those that hide the least of it first
+const SMALLEST = 4; // that a vehicle counts as, on the screen [px]
+
+/** A vehicle whose name is written: where it is, and its radius [m]. */
+export interface Named {
+  readonly at: Vector3;
+  readonly radius: number;
+}
 
 /** Where a label's place is on the screen [px]; null where it is not seen. */
 function seenAt({ at }: Label, camera: PerspectiveCamera, width: number, height: number): readonly [number, number] | null {
@@ -95,11 +100,7 @@ export class Axes {
   }
 
   /** Puts texts where their places are now. */
-  place(camera: PerspectiveCamera, width: number, height: number, names: readonly Vector3[]): void {
-    this.#names.forEach((label, index) => {
-      label.at = names[index] ?? label.at;
-      label.element.hidden = true;
-    });
+  place(camera: PerspectiveCamera, width: number, height: number, vehicles: readonly Named[]): void {
     const center = this.#at(0.5, 0.5, 0.5);
     const nearX = camera.position.x < center.x ? 0 : 1;
     const nearY = camera.position.y < center.y ? 0 : 1;
@@ -118,16 +119,34 @@ export class Axes {
     // Names of axes first: where it is narrow, a number less is better than two over each other.
     const marks = [...this.#marks].sort((one, other) => Number(other.value === null) - Number(one.value === null));
     const taken = new Taken();
+    const written: Spot[] = [];
     for (const { label } of marks) {
       const pixel = seenAt(label, camera, width, height);
-      const spot = pixel && taken.claim([{ left: pixel[0] - HALF, top: pixel[1] - HALF, width: widthOf(label), height: HIGH }]);
+      const spot = pixel && taken.claim([{ left: pixel[0] - HIGH / 2, top: pixel[1] - HIGH / 2, width: widthOf(label), height: HIGH }]);
       put(label, spot);
+      if (spot) written.push(spot);
     }
-    for (const label of names.length > 0 ? this.#names : []) {
-      const pixel = seenAt(label, camera, width, height);
-      const spots = pixel && around(pixel[0], pixel[1], BESIDE, widthOf(label), HIGH);
-      put(label, spots && (taken.claim(ORDER.flatMap((index) => spots[index] ?? [])) ?? spots[4] ?? null));
-    }
+    this.#placeNames(camera, width, height, vehicles, written);
+  }
+
+  /** Puts names beside those vehicles that are seen; they keep off the texts that are written already. */
+  #placeNames(camera: PerspectiveCamera, width: number, height: number, vehicles: readonly Named[], texts: readonly Spot[]): void {
+    const seen: Label[] = [];
+    const marks: Mark[] = [];
+    const perMeter = height / (2 * Math.tan((camera.fov * Math.PI) / 360)); // a meter away
+    this.#names.forEach((label, index) => {
+      const vehicle = vehicles[index];
+      label.at = vehicle?.at ?? label.at;
+      const pixel = vehicle ? seenAt(label, camera, width, height) : null;
+      label.element.hidden = true;
+      if (!vehicle || pixel === null) return;
+      const away = camera.position.distanceTo(vehicle.at);
+      const radius = Math.max((vehicle.radius * perMeter) / Math.max(away, 1e-9), SMALLEST);
+      seen.push(label);
+      marks.push({ px: pixel[0], py: pixel[1], radius, away, width: widthOf(label) });
+    });
+    const places = namePlaces(marks, texts, width * height);
+    seen.forEach((label, index) => put(label, places[index] ?? null));
   }
 
   /** A place by its parts of the box along each axis. */

@@ -176,7 +176,7 @@ export class Space {
     const { scenario, switches, time } = this.#frame;
     const { clientWidth: width, clientHeight: height } = this.host;
     const places = switches.names
-      ? scenario.vehicles.map((_, index) => fleet.placeOf(index, time))
+      ? scenario.vehicles.map(({ radius }, index) => ({ at: fleet.placeOf(index, time), radius }))
       : [];
     axes.place(camera, width, height, places);
     const placeOf = (index: number) => fleet.placeOf(index, time);

@@ -10,6 +10,7 @@ from radmpc.arrays import as_matrix
 from radmpc.errors import ScenarioError
 from radmpc.importing.geo.feature import Feature, Path, drawn_line, drawn_ring, read_position
 from radmpc.importing.geo.layers import Layers
+from radmpc.importing.geo.rejoining import rejoined
 from radmpc.io.text.document import Document
 from radmpc.io.text.files import read_text, shown
 from radmpc.io.text.json_text import read_json
@@ -72,7 +73,7 @@ def geojson_features(document: Document, layers: Layers, file: str) -> Iterator[
         inner = properties.get("layer")
         names = [*outer, inner] if isinstance(inner, str) and inner else outer
         if layers.takes(names):
-            for feature in _features(entry, properties, ("features", i)):
+            for feature in rejoined(_features(entry, properties, ("features", i))):
                 yield replace(feature, usual_role=layers.role(names))
 
 

@@ -11,6 +11,7 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.importing.geo.feature import Feature, Path, drawn_line, drawn_ring, read_position
 from radmpc.importing.geo.kml_xml import Placemark, Shape, read_placemarks
 from radmpc.importing.geo.layers import Layers
+from radmpc.importing.geo.rejoining import rejoined
 from radmpc.io.text.document import Document
 from radmpc.io.text.files import one_line, read_text
 from radmpc.io.text.lines import Place
@@ -67,7 +68,7 @@ def kml_features(document: Document, layers: Layers, file: str) -> Iterator[Feat
     for i, placemark in enumerate(placemarks):
         names = (file, *placemark.layers)
         if layers.takes(names):
-            for feature in _features(placemark, ("Placemark", i)):
+            for feature in rejoined(_features(placemark, ("Placemark", i))):
                 yield replace(feature, usual_role=layers.role(names))
 
 

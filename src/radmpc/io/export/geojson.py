@@ -8,6 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.geometry import Polytope
+from radmpc.io.export.antimeridian import cut_area, cut_line
 from radmpc.io.export.job import Job
 from radmpc.io.export.origin import Placement
 from radmpc.io.export.outlines import Kind, footprint, goal_outline, holes, outline
@@ -24,6 +25,9 @@ __all__ = ["write_geojson"]
 _AXES = ("east", "north", "up")
 
 Feature = dict[str, object]
+
+Shape = tuple[str, object]
+"""A geometry's type and coordinates."""
 
 
 def write_geojson(job: Job) -> bytes:
@@ -61,42 +65,45 @@ def write_geojson(job: Job) -> bytes:
     return write_json(content).encode()
 
 
-def _feature(kind: str, name: str, shape: str, coordinates: object, **more: object) -> Feature:
+def _feature(kind: str, name: str, shape: Shape, **more: object) -> Feature:
     """Return a feature."""
+    form, coordinates = shape
     return {
         "type": "Feature",
-        "geometry": {"type": shape, "coordinates": coordinates},
+        "geometry": {"type": form, "coordinates": coordinates},
         "properties": {"kind": kind, "name": name} | more,
     }
 
 
 def _path(track: TimedPath, place: Placement) -> Feature:
     """Return a track as a line; its lists have one entry per corner."""
-    sigmas = {
-        f"three_sigma_{axis}": np.round(column, 6).tolist()
-        for axis, column in zip(_AXES, track.three_sigma.T, strict=False)
-    }
-    line = _positions(track.positions, place)
-    more = {"radius": track.vehicle.radius, "times": track.times.tolist()} | sigmas
-    return _feature("path", track.name, "LineString", line, **more)
+    sigmas = np.round(track.three_sigma, 6)
+    rows = np.column_stack([_positions(track.positions, place), track.times, sigmas])
+    parts = cut_line(rows)
+    _, _, _, times, *deviations = np.vstack(parts).T
+    more: dict[str, object] = {"radius": track.vehicle.radius, "times": times.tolist()}
+    for axis, column in zip(_AXES, deviations, strict=False):
+        more[f"three_sigma_{axis}"] = column.tolist()
+    line = _whole("LineString", [part[:, :3].tolist() for part in parts])
+    return _feature("path", track.name, line, **more)
 
 
 def _start(track: TimedPath, job: Job) -> Feature:
     """Return where a vehicle starts, and which ranges it keeps."""
-    (position,) = _positions(track.vehicle.start_position[None], job.place)
+    (position,) = _positions(track.vehicle.start_position[None], job.place).tolist()
     more = {"radius": track.vehicle.radius} | ranges_kept(job.plan.scenario.keep, track.name)
-    return _feature("start", track.name, "Point", position, **more)
+    return _feature("start", track.name, ("Point", position), **more)
 
 
 def _box(kind: str, name: str, box: Goal | Visit, place: Placement, **more: object) -> Feature:
     """Return a goal or a visit: its box seen from above, or its middle where that has no area."""
     corners = goal_outline(box)
     if corners is None:
-        (position,) = _positions(box.center[None], place)
-        return _feature(kind, name, "Point", position, **more)
+        (position,) = _positions(box.center[None], place).tolist()
+        return _feature(kind, name, ("Point", position), **more)
     heights = _heights(place, box.lower, box.upper)
-    ring = _ring(_raised(corners, float(box.lower[-1]), box.lower.size), place)
-    return _feature(kind, name, "Polygon", [ring], **heights, **more)
+    raised = _raised(corners, float(box.lower[-1]), box.lower.size)
+    return _feature(kind, name, _shape("Polygon", raised, place), **heights, **more)
 
 
 def _visits(track: TimedPath, place: Placement) -> Iterator[Feature]:
@@ -117,8 +124,8 @@ def _obstacles(job: Job) -> Iterator[Feature]:
             more = _when(obstacle, step, job.plan.scenario.dt) | whom(obstacle)
             if obstacle.dimension == 2:
                 kind, corners = outline(obstacle, step)
-                places = _shape(kind, corners, job.place, holes(obstacle))
-                yield _feature("obstacle", obstacle.name, kind, places, **more)
+                shape = _shape(kind, corners, job.place, holes(obstacle))
+                yield _feature("obstacle", obstacle.name, shape, **more)
                 continue
             for piece in obstacle.at(step):
                 yield _body(obstacle.name, piece, job.place, more)
@@ -142,8 +149,8 @@ def _body(name: str, piece: Polytope, place: Placement, more: dict[str, object])
     """Return an obstacle in space: seen from above, with its lowest and highest point."""
     low, high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
     kind, corners = footprint(piece)
-    places = _shape(kind, _raised(corners, float(low[2]), 3), place)
-    return _feature("obstacle", name, kind, places, **_heights(place, low, high), **more)
+    shape = _shape(kind, _raised(corners, float(low[2]), 3), place)
+    return _feature("obstacle", name, shape, **_heights(place, low, high), **more)
 
 
 def _heights(place: Placement, low: Matrix, high: Matrix) -> dict[str, float]:
@@ -161,20 +168,28 @@ def _raised(corners: Matrix, height: float, dimension: int) -> Matrix:
     return np.column_stack([corners, np.full(len(corners), height)])
 
 
-def _shape(kind: Kind, corners: Matrix, place: Placement, free: Sequence[Matrix] = ()) -> object:
-    """Return the coordinates of what has corners, and perhaps holes."""
+def _shape(kind: Kind, corners: Matrix, place: Placement, free: Sequence[Matrix] = ()) -> Shape:
+    """Return type and coordinates of what has corners, and perhaps holes."""
     if kind == "Polygon":
-        return [_ring(ring, place) for ring in (corners, *free)]
+        areas = cut_area([_positions(ring, place) for ring in (corners, *free)])
+        return _whole(kind, [[_ring(ring) for ring in rings] for rings in areas])
     positions = _positions(corners, place)
-    return positions[0] if kind == "Point" else positions
+    if kind == "Point":
+        return kind, positions[0].tolist()
+    return _whole(kind, [part.tolist() for part in cut_line(positions)])
 
 
-def _ring(corners: Matrix, place: Placement) -> list[list[float]]:
+def _whole(kind: Kind, parts: Sequence[object]) -> Shape:
+    """Return type and coordinates of a shape, which may have been cut at the antimeridian."""
+    return (kind, parts[0]) if len(parts) == 1 else (f"Multi{kind}", parts)
+
+
+def _ring(positions: Matrix) -> list[list[float]]:
     """Return a closed ring of positions."""
-    positions = _positions(corners, place)
-    return [*positions, positions[0]]
+    corners: list[list[float]] = positions.tolist()
+    return [*corners, corners[0]]
 
 
-def _positions(points: Matrix, place: Placement) -> list[list[float]]:
-    """Return longitude, latitude [°] and height [m] of points: in this order."""
-    return [[lon, lat, height] for lat, lon, height in place.geodetic(points).tolist()]
+def _positions(points: Matrix, place: Placement) -> Matrix:
+    """Return longitude, latitude [°] and height [m] of points, (k, 3): in this order."""
+    return np.asarray(place.geodetic(points)[:, [1, 0, 2]])

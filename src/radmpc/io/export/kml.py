@@ -10,6 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from radmpc.arrays import Matrix
+from radmpc.io.export.antimeridian import cut_area, cut_face, cut_line
 from radmpc.io.export.job import Job
 from radmpc.io.export.names import xml_text
 from radmpc.io.export.origin import Placement
@@ -93,12 +94,7 @@ def _vehicle(parent: Element, track: TimedPath, style: str, job: Job) -> None:
     place = job.place
     folder = SubElement(parent, "Folder")
     _text(folder, "name", track.name)
-    path = SubElement(_placemark(folder, track.name, style), "gx:Track")
-    _text(path, "altitudeMode", "relativeToGround")
-    for time in track.times.tolist():
-        _text(path, "when", _when(time))
-    for point in _points(track.positions, place):
-        _text(path, "gx:coord", " ".join(point))
+    _track(_placemark(folder, track.name, style), track, place)
     start = track.vehicle.start_position[None]
     mark = _placemark(folder, f"{track.name}: start", style)
     _data(mark, ranges_kept(job.plan.scenario.keep, track.name))
@@ -111,6 +107,24 @@ def _vehicle(parent: Element, track: TimedPath, style: str, job: Job) -> None:
             mark.insert(1, stamp)
         _box(mark, visit, place)
     _box(_placemark(folder, f"{track.name}: goal", style), track.vehicle.goal, place)
+
+
+def _track(mark: Element, track: TimedPath, place: Placement) -> None:
+    """Add when a vehicle is where, in several tracks where it crosses the antimeridian."""
+    parts = cut_line(np.column_stack([_places(track.positions, place), track.times]))
+    parent = mark
+    if len(parts) > 1:
+        parent = SubElement(mark, "gx:MultiTrack")
+        _text(parent, "altitudeMode", "relativeToGround")
+        # Between its tracks there is no time.
+        _text(parent, "gx:interpolate", "1")
+    for part in parts:
+        path = SubElement(parent, "gx:Track")
+        _text(path, "altitudeMode", "relativeToGround")
+        for time in part[:, 3].tolist():
+            _text(path, "when", _when(time))
+        for point in part[:, :3].tolist():
+            _text(path, "gx:coord", _words(point, " "))
 
 
 def _box(mark: Element, box: Goal | Visit, place: Placement) -> None:
@@ -144,7 +158,8 @@ def _obstacle(parent: Element, obstacle: Obstacle, job: Job) -> None:
             if len(piece.vertices) < 3:
                 _shape(surface, kind_of(piece.vertices), piece.vertices, job.place)
             for face in triangles(piece).reshape(-1, 3, 3):
-                _polygon(surface, face, job.place)
+                for part in cut_face(_places(face, job.place)):
+                    _rings(surface, [part])
 
 
 def _shape(
@@ -156,9 +171,19 @@ def _shape(
     elif kind == "Point":
         _point(parent, corners, place)
     else:
-        line = SubElement(parent, "LineString")
-        _text(line, "altitudeMode", "relativeToGround")
-        _text(line, "coordinates", " ".join(",".join(p) for p in _points(corners, place)))
+        parts = cut_line(_places(corners, place))
+        group = _group(parent, len(parts))
+        for part in parts:
+            line = SubElement(group, "LineString")
+            _text(line, "altitudeMode", "relativeToGround")
+            _text(line, "coordinates", " ".join(_words(row, ",") for row in part.tolist()))
+
+
+def _group(parent: Element, parts: int) -> Element:
+    """Return where the parts of a shape go: one shape, or a group of them."""
+    if parts == 1 or parent.tag == "MultiGeometry":
+        return parent
+    return SubElement(parent, "MultiGeometry")
 
 
 def _placemark(parent: Element, name: str, style: str) -> Element:
@@ -183,26 +208,39 @@ def _point(parent: Element, points: Matrix, place: Placement) -> None:
     """Add a point."""
     point = SubElement(parent, "Point")
     _text(point, "altitudeMode", "relativeToGround")
-    _text(point, "coordinates", ",".join(_points(points, place)[0]))
+    _text(point, "coordinates", _words(_places(points, place)[0].tolist(), ","))
 
 
 def _polygon(
     parent: Element, corners: Matrix, place: Placement, free: Sequence[Matrix] = ()
 ) -> None:
-    """Add a polygon, perhaps with holes."""
+    """Add a polygon, perhaps with holes, in parts where it crosses the antimeridian."""
+    areas = cut_area([_places(around, place) for around in (corners, *free)])
+    group = _group(parent, len(areas))
+    for rings in areas:
+        _rings(group, rings)
+
+
+def _rings(parent: Element, rings: Sequence[Matrix]) -> None:
+    """Add a polygon: its outline, then its holes, each as `_places` gives them."""
     polygon = SubElement(parent, "Polygon")
     _text(polygon, "altitudeMode", "relativeToGround")
-    outside = [("outerBoundaryIs", corners)]
-    for border, around in [*outside, *(("innerBoundaryIs", hole) for hole in free)]:
+    for number, places in enumerate(rings):
+        border = "innerBoundaryIs" if number else "outerBoundaryIs"
         ring = SubElement(SubElement(polygon, border), "LinearRing")
-        points = _points(around, place)
-        _text(ring, "coordinates", " ".join(",".join(point) for point in [*points, points[0]]))
+        rows = [*places.tolist(), places[0].tolist()]
+        _text(ring, "coordinates", " ".join(_words(row, ",") for row in rows))
 
 
-def _points(points: Matrix, place: Placement) -> list[tuple[str, str, str]]:
-    """Return longitude, latitude and height above the origin of points, as text."""
-    rows = zip(place.geodetic(points).tolist(), place.levels(points), strict=True)
-    return [(f"{lon:.9f}", f"{lat:.9f}", f"{level:.4f}") for (lat, lon, _), level in rows]
+def _places(points: Matrix, place: Placement) -> Matrix:
+    """Return longitude, latitude [°] and height above the origin [m] of points, (k, 3)."""
+    return np.column_stack([place.geodetic(points)[:, [1, 0]], place.levels(points)])
+
+
+def _words(row: Sequence[float], between: str) -> str:
+    """Return longitude, latitude and height as text."""
+    longitude, latitude, level = row
+    return between.join((f"{longitude:.9f}", f"{latitude:.9f}", f"{level:.4f}"))
 
 
 def _style(parent: Element, name: str, color: str) -> None:

@@ -15,7 +15,7 @@ from radmpc.serving.documents.content import check_changes
 from radmpc.serving.documents.document import Document
 from radmpc.serving.failures import CallError, refused
 from radmpc.serving.protocol import CALLS
-from radmpc.serving.work.asking import Asked, check_planner
+from radmpc.serving.work.asking import Asked, check_flight, check_planner
 from radmpc.version import __version__
 
 __all__ = ["answer"]
@@ -198,7 +198,9 @@ async def _fly(desk: Desk, args: Args) -> object:
     known = {"with", "replan", "deadline", "log", "overwrite"}
     if not options.keys() <= known:
         raise refused(f"options must be among {', '.join(sorted(known))}")
-    return desk.begin_flight(kept, (seed, pace, files.flight_options(desk, options))).state
+    how = files.flight_options(desk, options)
+    await asyncio.to_thread(check_flight, how)
+    return desk.begin_flight(kept, (seed, pace, how)).state
 
 
 async def _stop_flight(desk: Desk, args: Args) -> object:

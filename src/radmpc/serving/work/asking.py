@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import TYPE_CHECKING
 
 from radmpc.arguments import value_text
@@ -15,7 +15,10 @@ from radmpc.serving.protocol import Remark
 if TYPE_CHECKING:
     from radmpc.planners.planner import Planner
 
-__all__ = ["Asked", "Ended", "asked_planner", "check_planner"]
+__all__ = ["Asked", "Ended", "asked_planner", "check_flight", "check_planner"]
+
+_REMOTE = ("mavlink",)
+"""Backends that reach beyond this machine: the page does not start them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,9 +75,41 @@ def check_planner(name: str) -> None:
     """
     from radmpc.planners.presets import PRESETS  # noqa: PLC0415 - after the first answer
 
-    match = _NAME.fullmatch(name)
-    if match is None or match[1] not in PRESETS:
+    if not _is_among(name, PRESETS):
         raise ScenarioError(f"planner must be one of {', '.join(PRESETS)}, got {value_text(name)}")
+
+
+def check_flight(options: Mapping[str, object]) -> None:
+    """Refuse a backend or a planner that there is none of, before a flight is begun.
+
+    Parameters
+    ----------
+    options : mapping
+        ``with`` and ``replan``, both optional; ``none`` flies the plan as it is.
+
+    Raises
+    ------
+    ScenarioError
+        With the names that there are, or how else it is flown.
+    """
+    from radmpc.flying.backends import BACKENDS  # noqa: PLC0415 - after the first answer
+    from radmpc.planners.presets import PRESETS  # noqa: PLC0415 - after the first answer
+
+    backend, replan = options.get("with") or "model", options.get("replan") or "certified"
+    if backend in _REMOTE:
+        raise ScenarioError(f"{backend!r} is not flown from a page: radmpc fly --with {backend}")
+    if backend not in BACKENDS:
+        known = ", ".join(name for name in BACKENDS if name not in _REMOTE)
+        raise ScenarioError(f"options.with must be one of {known}, got {value_text(backend)}")
+    if replan != "none" and not _is_among(str(replan), PRESETS):
+        known = ", ".join(("none", *PRESETS))
+        raise ScenarioError(f"options.replan must be one of {known}, got {value_text(replan)}")
+
+
+def _is_among(name: str, presets: Container[str]) -> bool:
+    """Whether a planner's name, perhaps with a number, is one of those that there are."""
+    match = _NAME.fullmatch(name)
+    return match is not None and match[1] in presets
 
 
 def asked_planner(asked: Asked) -> Planner:

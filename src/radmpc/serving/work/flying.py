@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from radmpc.errors import ArgumentError
 from radmpc.flying.backends import backend_named
 from radmpc.flying.recording.campaign import check_replan
 from radmpc.flying.recording.recorded import RecordedMission
@@ -19,15 +18,13 @@ from radmpc.io.flight.flight_file import FlightWriter
 from radmpc.io.flight.record import FlightSettings, TickRow
 from radmpc.model.plan import Plan
 from radmpc.serving.views.flight import tick_view
+from radmpc.serving.work.asking import check_flight
 from radmpc.serving.work.control import Control
 
 __all__ = ["fly_plan"]
 
 _GLANCE = 0.05
 """Seconds between two looks at whether to end, while nothing is to be done [s]."""
-
-_REMOTE = {"mavlink"}
-"""Backends that reach beyond this machine: the page does not start them."""
 
 
 def fly_plan(
@@ -59,9 +56,8 @@ def fly_plan(
     RadmpcError
         If the plan cannot be flown, or not with this backend.
     """
+    check_flight(options)
     name = options.get("with") or "model"
-    if name in _REMOTE:
-        raise ArgumentError(f"{name!r} is not flown from a page: radmpc fly --with {name}")
     replan = options.get("replan") or "certified"
     settings = FlightSettings(
         name, None if replan == "none" else replan, 1, seed, options.get("deadline")

@@ -1,7 +1,9 @@
 /** Names and other texts, above all else and beside each other. */
 
+import type { ObstacleView } from "../../protocol";
+import type { Camera } from "../camera";
 import type { Frame, Layer } from "../frame";
-import { num, shapeOf } from "../geometry";
+import { isInside, num, shapeOf } from "../geometry";
 import { around, type Spot, Taken } from "../placing";
 import { rangeColor, rangesOf } from "./ranges";
 import { radiusOf, vehiclePixels } from "./vehicles";
@@ -64,17 +66,27 @@ function nameVehicles(ctx: CanvasRenderingContext2D, frame: Frame, pixels: Float
   }
 }
 
-/** Says whom obstacles stand in the way of, where there is room for it. */
+/** Names obstacles, and says of those for some whom they stand in the way of, where there is room for it. */
 function nameOutlines(ctx: CanvasRenderingContext2D, { scenario, camera }: Frame, taken: Taken): void {
   for (const obstacle of scenario?.obstacles ?? []) {
-    if (obstacle.only === null || obstacle.moving !== null) continue;
-    const { x, y, bounds } = shapeOf(obstacle);
-    const width = ctx.measureText(obstacle.only).width;
-    const [wide, high] = [(bounds.maxX - bounds.minX) * camera.scale, (bounds.maxY - bounds.minY) * camera.scale];
-    if (wide < Math.max(50, 0.8 * width)) continue;
-    const spots = INSIDE.map(([across, down]) => centered(camera.px(x) + across * wide, camera.py(y) + down * high, width));
-    write(ctx, obstacle.only, taken.claim(spots) ?? undefined);
+    const { bounds } = shapeOf(obstacle);
+    // Too small for any name, which need not be measured then.
+    if (obstacle.moving !== null || (bounds.maxX - bounds.minX) * camera.scale < HIGH) continue;
+    const text = obstacle.only ?? obstacle.name;
+    write(ctx, text, taken.claim(outlineSpots(obstacle, camera, ctx.measureText(text).width)) ?? undefined);
   }
+}
+
+/** Places for an obstacle's name of some width [px]: on what it names, though a shape may have its middle outside. */
+export function outlineSpots(obstacle: ObstacleView, camera: Pick<Camera, "px" | "py" | "scale">, width: number): readonly Spot[] {
+  const shape = shapeOf(obstacle);
+  const [wide, high] = [shape.bounds.maxX - shape.bounds.minX, shape.bounds.maxY - shape.bounds.minY]; // [m]
+  const isForSome = obstacle.only !== null;
+  if (wide * camera.scale < (isForSome ? Math.max(50, 0.8 * width) : width)) return [];
+  const places = INSIDE.map(([across, down]) => [shape.x + across * wide, shape.y - down * high] as const);
+  const inside = places.filter(([x, y]) => isInside(shape, x, y));
+  // Whom it is for must be seen, be it beside a line.
+  return (inside.length > 0 || !isForSome ? inside : places).map(([x, y]) => centered(camera.px(x), camera.py(y), width));
 }
 
 function centered(px: number, py: number, width: number): Spot {
