@@ -29,11 +29,11 @@ def feeds_measurement(one: Estimate) -> bool:
     one : Estimate
         With commands.
     """
-    if one.gain is None or one.measurement is None or not np.isfinite(one.gain_rest):
+    if one.gain is None or one.measurement is None or not np.isfinite(one.unexplained):
         return False
     gain = one.gain.value
     asked = float(np.trace(gain @ nearest_covariance(one.measurement.value) @ gain.T))
-    return bool(one.gain.excludes_zero) and one.gain_rest < _MOST_REST * asked
+    return bool(one.gain.excludes_zero) and one.unexplained < _MOST_REST * asked
 
 
 def steered_by_noise(one: Estimate, model: StepModel) -> Matrix:
