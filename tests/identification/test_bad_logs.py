@@ -160,6 +160,13 @@ def test_a_vehicle_without_data_is_left_out() -> None:
         identify([nothing])
 
 
+def test_an_axis_without_numbers_is_named_where_nothing_else_is_left() -> None:
+    track = flight()
+    lacking = track.changed({"positions": changed(track.positions, np.s_[:, 1], np.nan)})
+    with pytest.raises(FileFormatError, match="'v1': has no position along y, and is left out"):
+        identify([lacking])
+
+
 def test_commands_of_a_part_of_the_flight_restrict_it_to_that() -> None:
     track = flight()
     found = identify([track.changed({"controls": changed(track.controls, np.s_[:100], np.nan)})])

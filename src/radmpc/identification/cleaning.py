@@ -56,7 +56,11 @@ def clean(track: Track, *, dimension: int | None = None) -> tuple[Track | None, 
     for step in (_without_missing_parts, _without_missing_samples):
         found = step(found, warnings)
     if not found.times.size:
-        return None, (f"{track.where}: has no data, and is left out",)
+        axes = "xyz"[: dimension or track.dimension]
+        empty = [axis for i, axis in enumerate(axes) if np.isnan(track.positions[:, i]).all()]
+        is_part = 0 < len(empty) < len(axes)
+        lack = f"position along {' and '.join(empty)}" if is_part else "data"
+        return None, (f"{track.where}: has no {lack}, and is left out",)
     found = _in_order(found, warnings)
     found = _without_constants(found, warnings)
     warnings += check_axes(found)

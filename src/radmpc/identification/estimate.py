@@ -75,6 +75,9 @@ class Estimate:
     gain_share : float
         Share of the corrections that commands hold [-] which feedback explains; NaN where these are
         not known.
+    unexplained : float
+        Mean square of the corrections [m²/s⁴, m²/s²] that K does not explain, over all axes; NaN
+        where these are not known.
     gain_chance : float
         Probability of such residuals if the closed loop is that of a double integrator with
         feedback [-]; NaN where that was not tried.
@@ -106,6 +109,7 @@ class Estimate:
     has_drift: bool
     gain: Interval | None
     gain_share: float
+    unexplained: float
     gain_chance: float
     color: float
     time_constant: Interval | None
@@ -195,7 +199,7 @@ def _of_moving(
         constant = measured.time_constant(model.dt)
     chance = feedback_chance(found, y, h, follows) if h.shape[1] else float("nan")
     is_bound = evidence == "references" and (first.first_score < -SURE or chance < LEAST_CHANCE)
-    gain, gain_share = feedback(found, group, evidence)
+    gain, gain_share, unexplained = feedback(found, group, evidence)
     drift, has_drift = mean_of_steps(found, y, model, evidence)
     return Estimate(
         vehicles=tuple(one.name for one in group),
@@ -206,6 +210,7 @@ def _of_moving(
         has_drift=has_drift,
         gain=gain,
         gain_share=gain_share,
+        unexplained=unexplained,
         gain_chance=chance,
         color=found.color,
         time_constant=constant,

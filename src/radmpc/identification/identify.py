@@ -173,7 +173,8 @@ def _cleaned(tracks: Sequence[Track], dimension: int | None, warnings: list[str]
         warnings.append("references that are where the vehicle was are not used")
     found = own
     if not found:
-        raise FileFormatError("the logs hold no sample that can be used")
+        why = next((line for line in reversed(warnings) if "left out" in line), "")
+        raise FileFormatError(f"the logs hold no sample that can be used{why and f': {why}'}")
     if any(t.velocities is None for t in found) and any(t.velocities is not None for t in found):
         lacking = next(t for t in found if t.velocities is None)
         raise FileFormatError(

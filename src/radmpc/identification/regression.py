@@ -206,7 +206,7 @@ def _variances(covariance: Matrix) -> Vector:
 
 def feedback(
     found: Fit, group: Sequence[Transitions], evidence: Evidence
-) -> tuple[Interval | None, float]:
+) -> tuple[Interval | None, float, float]:
     """Return the feedback, by least squares on what is known of it.
 
     Parameters
@@ -224,28 +224,29 @@ def feedback(
         K, (d, n); None where it cannot be told.
     share : float
         Share of the corrections that commands hold [-] which K explains; NaN without these.
+    rest : float
+        Mean square of what it leaves of them, over all axes [m²/s⁴, m²/s²]; NaN as well.
     """
+    unknown = float("nan")
     if evidence == "references":
-        return normal_interval(found.gain, found.gain_deviation), float("nan")
-    pairs = [
-        (one.deviations, one.corrections)
-        for one in group
-        if one.deviations is not None and one.corrections is not None
-    ]
+        return normal_interval(found.gain, found.gain_deviation), unknown, unknown
+    told = [(one.deviations, one.corrections) for one in group]
+    pairs = [(h, y) for h, y in told if h is not None and y is not None]
     if evidence != "commands" or len(pairs) < len(group):
-        return None, float("nan")
+        return None, unknown, unknown
     h = np.concatenate([deviations for deviations, _ in pairs])
     y = np.concatenate([corrections for _, corrections in pairs])
     h, y = h - h.mean(axis=0), y - y.mean(axis=0)
     gain = np.linalg.lstsq(h, y, rcond=None)[0].T
     rest = y - h @ gain.T
-    share = 1.0 - float(np.sum(rest**2)) / max(float(np.sum(y**2)), 1e-300)
+    left = float(np.sum(rest**2))
+    share = 1.0 - left / max(float(np.sum(y**2)), 1e-300)
     if np.any(y) and share < LEAST_EXPLAINED:
-        return None, share
+        return None, share, left / len(y)
     variances = np.sum(rest**2, axis=0) / max(len(y) - h.shape[1] - 1, 1)
     inverse = np.diag(np.linalg.pinv(h.T @ h, hermitian=True))
     deviations = np.sqrt(np.outer(variances, np.maximum(inverse, 0.0)))
-    return normal_interval(gain, deviations), share
+    return normal_interval(gain, deviations), share, left / len(y)
 
 
 def feedback_chance(found: Fit, y: Matrix, h: Matrix, follows: Vector) -> float:

@@ -16,6 +16,7 @@ from radmpc.identification.sharing import Shared
 from radmpc.identification.tails import Tails
 from radmpc.identification.unknown import misfit_of_color
 from radmpc.importing.logs.applying import recorded
+from radmpc.importing.logs.block import acts_on_measured
 from radmpc.wording import count_text
 
 __all__ = ["noise_report", "tails_sentence"]
@@ -92,6 +93,10 @@ def _facts(identified: Identification) -> dict[str, Text | str]:
     if pooled.tails is not None:
         style = "yellow" if pooled.tails.are_heavy else ""
         rows["tails"] = Text(tails_sentence(pooled.tails), style=style)
+    if any(acts_on_measured(one, identified.model) for one in identified.groups):
+        rows["feedback"] = (
+            "acts on the measured states: their noise counts as disturbance in what is written"
+        )
     misfits = [(one, misfit) for one in identified.groups if (misfit := misfit_of_color(one))]
     if misfits:
         told = [

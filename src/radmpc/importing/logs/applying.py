@@ -12,7 +12,13 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
 from radmpc.identification.intervals import Interval
-from radmpc.importing.logs.block import FEWEST_SAMPLES, noise_block, reordered, vehicle_fields
+from radmpc.importing.logs.block import (
+    FEWEST_SAMPLES,
+    acts_on_measured,
+    noise_block,
+    reordered,
+    vehicle_fields,
+)
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.text.yaml_writing import write_yaml
@@ -122,6 +128,9 @@ def noise_text(identified: Identification, day: str) -> str:
             "The noise has memory, which this format does not take: the covariance below is that of"
         )
         lines.append("white noise that leads to deviations at least as large.")
+    if any(acts_on_measured(one, identified.model) for one in identified.groups):
+        lines.append("Noise of the sensors counts as disturbance, and there is no `measurement`:")
+        lines.append("the feedback acts on the measured states, not on those of a filter.")
     if identified.evidence == "states":
         lines.append("Maneuvers count as noise here: too large where the vehicles maneuvered.")
     if block.pending:
@@ -234,6 +243,8 @@ def _entries(
         fields.pop("dynamics", None)
         replaced = {"disturbance", "disturbance_covariance"}
         replaced |= set() if identified.evidence == "states" else {"drift"}
+        if acts_on_measured(one, identified.model):
+            replaced |= {"measurement"}
         kept = {k: part for k, part in {**defaults, **entry}.items() if k not in replaced}
         entries.append({**kept, **fields})
     return entries, warnings

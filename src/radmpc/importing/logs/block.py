@@ -10,11 +10,21 @@ from radmpc.arrays import Matrix, as_covariance
 from radmpc.errors import ScenarioError
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
+from radmpc.identification.model import StepModel
 from radmpc.identification.sharing import against_others, nearest_covariance, own_part
 from radmpc.identification.unknown import growth_of_loop, safe_constant
+from radmpc.importing.logs.sensed import feeds_measurement, steered_by_noise
 from radmpc.records import dataclass
 
-__all__ = ["FEWEST_SAMPLES", "KEYS", "Block", "noise_block", "reordered", "vehicle_fields"]
+__all__ = [
+    "FEWEST_SAMPLES",
+    "KEYS",
+    "Block",
+    "acts_on_measured",
+    "noise_block",
+    "reordered",
+    "vehicle_fields",
+]
 
 KEYS: Mapping[str, bool] = {
     "dynamics": True,
@@ -179,22 +189,47 @@ def _fields(one: Estimate, identified: Identification) -> Fields:
     )
     own = own_part(one.covariance.value, identified.shared if has_shared else None)
     own = own * against_others(one.vehicles, identified.shared)
+    has_feedback = _has_feedback(one, model)
+    is_fed = acts_on_measured(one, model)
+    if is_fed:
+        own = own + steered_by_noise(one, model)
     if one.time_constant is None:
         fields["disturbance_covariance"] = _rows(own)
     else:
         constant = _short(safe_constant(one.time_constant))
         fields["disturbance"] = {"covariance": _rows(own), "time_constant": constant}
-    is_told = one.gain is not None and one.gain.excludes_zero
-    if one.gain is not None and is_told and growth_of_loop(one.gain, model) <= 1.0:
+    if one.gain is not None and has_feedback:
         fields["feedback"] = {"gain": [[_short(entry) for entry in row] for row in one.gain.value]}
     if one.has_drift:
         fields["drift"] = _drift(one, identified)
-    if one.measurement is not None:
+    if one.measurement is not None and not is_fed:
         of = np.flatnonzero(np.diag(one.measurement.low) > 0.0)
         if of.size:
             seen = one.measurement.value[np.ix_(of, of)]
             fields["measurement"] = {"of": of.tolist(), "covariance": _rows(seen)}
     return fields
+
+
+def _has_feedback(one: Estimate, model: StepModel) -> bool:
+    """Whether feedback is sure, and settles."""
+    gain = one.gain
+    return gain is not None and gain.excludes_zero and growth_of_loop(gain, model) <= 1.0
+
+
+def acts_on_measured(one: Estimate, model: StepModel) -> bool:
+    """Whether feedback is written that acts on measured states, so that their noise disturbs.
+
+    A scenario's ``measurement`` would stand for a filter before the feedback, which logs of such
+    vehicles rule out.
+
+    Parameters
+    ----------
+    one : Estimate
+        Of the vehicle, or of all.
+    model : StepModel
+        Its dynamics.
+    """
+    return _has_feedback(one, model) and feeds_measurement(one)
 
 
 def _drift(one: Estimate, identified: Identification) -> Fields:
