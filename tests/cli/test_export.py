@@ -74,6 +74,21 @@ def test_waypoints_go_into_a_file_per_vehicle_with_one_warning(
     assert Path("fleet.east.plan").read_bytes() != Path("fleet.west.plan").read_bytes()
 
 
+@pytest.mark.parametrize("device", ["/dev/null", "/dev/stdout"])
+def test_a_file_per_vehicle_is_not_written_beside_a_device(
+    run: Run, plan_file: Path, device: str
+) -> None:
+    if not Path(device).exists():
+        pytest.skip("no such device here")
+    result = run("export", plan_file, "--to", "qgc", "-o", device, *ORIGIN)
+    assert result.exit_code == 2
+    assert assert_one_line(result.stderr) == (
+        f"radmpc: cannot write {device}: qgc makes a file for each of 2 vehicles, and this is "
+        "a stream or a device: name a file, as -o fleet.plan"
+    )
+    assert list(Path("/dev").glob(f"{Path(device).name}.*")) == []
+
+
 def test_without_a_place_on_earth_maps_are_refused(run: Run, plan_file: Path) -> None:
     for to in ("qgc", "waypoints", "geojson", "kml"):
         result = run("export", plan_file, "--to", to, "-o", "out")

@@ -18,7 +18,7 @@ from radmpc.system.streams import has_every_letter
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-__all__ = ["note", "reports_beside", "show", "show_json", "silence_closed_pipe", "width"]
+__all__ = ["is_stdout", "note", "reports_beside", "show", "show_json", "silence_closed_pipe", "width"]
 
 _STDOUT = 1
 """The descriptor that ``/dev/stdout`` is."""
@@ -87,13 +87,19 @@ def reports_beside(outputs: Iterable[Path]) -> Iterator[None]:
     outputs : iterable of Path
         Where data go.
     """
-    is_taken = any(_is_stdout(path) for path in outputs)
+    is_taken = any(is_stdout(path) for path in outputs)
     with redirect_stdout(sys.stderr) if is_taken else nullcontext():
         yield
 
 
-def _is_stdout(path: Path) -> bool:
-    """Whether a path, by whatever name, is where stdout goes; not if that is nowhere."""
+def is_stdout(path: Path) -> bool:
+    """Whether a path, by whatever name, is where stdout goes; not if that is nowhere.
+
+    Parameters
+    ----------
+    path : Path
+        Of a file, a device or a link to either; nothing need be there.
+    """
     try:
         place = path.stat()
         is_same = os.path.samestat(place, os.fstat(_STDOUT))

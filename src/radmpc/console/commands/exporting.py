@@ -7,7 +7,7 @@ from pathlib import Path
 
 from radmpc.console.files import OutputError, check_output, writing
 from radmpc.console.options import is_option, named_options
-from radmpc.console.output import note, show
+from radmpc.console.output import is_stdout, note, show
 from radmpc.console.running.guard import Code
 from radmpc.console.words import first_of
 from radmpc.errors import FileFormatError, ScenarioError
@@ -83,6 +83,7 @@ def run_export(plan: Plan, request: ExportRequest) -> int:
     doubts = _doubts(certify(plan)) if plan.trajectories else ""
     thinned = _thinned(plan, request)
     exported = _exported(plan, request, thinned, is_certified=not doubts)
+    _check_place(exported, request)
     for path in exported.files:
         check_output(path)
         if path.exists() and path.samefile(request.plan_file):
@@ -140,6 +141,19 @@ def _exported(
             if is_option(error, _OPTIONS):
                 raise
             raise FileFormatError(one_line(f"{request.plan_file}: {error}")) from error
+
+
+def _check_place(exported: Exported, request: ExportRequest) -> None:
+    """Refuse a file per vehicle where no files are: their names would stand beside a device."""
+    path = request.output
+    if not exported.vehicles or not path.exists() or path.is_dir():
+        return
+    if is_stdout(path) or not path.is_file():
+        raise OutputError(
+            f"cannot write {path}: {request.to} makes a file for each of "
+            f"{len(exported.vehicles)} vehicles, and this is a stream or a device: name a file, "
+            "as -o fleet.plan"
+        )
 
 
 def _doubts(certificate: Certificate) -> str:
