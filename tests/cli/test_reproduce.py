@@ -53,10 +53,28 @@ def test_reproduce_writes_rows_report_and_figures_and_then_has_nothing_to_do(
     assert (tmp_path / "study/rows.jsonl").read_bytes() == before
 
 
+def test_reports_of_no_rows_are_refused_and_make_no_folder(run, tmp_path):
+    result = run("reproduce", "--out", "study", "--report-only")
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "radmpc: study/rows.jsonl: No such file or directory; --report-only needs the rows of a "
+        "run\n"
+    )
+    assert not (tmp_path / "study").exists()
+
+
+def test_a_study_whose_folder_is_a_file_is_refused_by_that_reason(run, tmp_path):
+    (tmp_path / "study").write_text("mine", encoding="utf-8")
+    for words in ([], ["--report-only"]):
+        result = run("reproduce", "--out", "study", "--quick", *words)
+        assert result.exit_code == 2
+        assert result.stderr == "radmpc: cannot write study: Not a directory\n"
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--method", "nobody"], "methods must be among"),
+        (["--method", "nobody"], "--method must be among"),
         (["--quick", "--cap", "5"], "--quick has its own"),
         (["--jobs", "2", "--dask", "here"], "exclude each other"),
     ],

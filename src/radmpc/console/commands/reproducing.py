@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,13 +18,13 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from radmpc.console.files import writing
+from radmpc.console.files import OutputError, writing
 from radmpc.console.output import note, show
 from radmpc.console.picture import drawing
 from radmpc.console.running.guard import Code
 from radmpc.console.running.interrupt import stop_on_interrupt
 from radmpc.console.running.workers import workers
-from radmpc.errors import ScenarioError
+from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.experiments.study.design import Study, full_study, quick_study
 from radmpc.experiments.study.journal import Journal, read_rows
 from radmpc.experiments.study.running import Progress as Told
@@ -84,9 +86,8 @@ def run_reproduction(request: StudyRequest) -> int:
     """
     study = _study(request)
     chosen = study.only(request.methods) if request.methods else study
-    with writing(request.out):
-        request.out.mkdir(parents=True, exist_ok=True)
     path = request.out / "rows.jsonl"
+    _check_folder(path, request)
     was_interrupted = False
     if not request.is_report_only:
         was_interrupted = _run(chosen, path, request)
@@ -106,6 +107,18 @@ def run_reproduction(request: StudyRequest) -> int:
     return Code.OK
 
 
+def _check_folder(path: Path, request: StudyRequest) -> None:
+    """Make the folder of a run; refuse a report on rows that are not there."""
+    if request.out.exists() and not request.out.is_dir():
+        raise OutputError(f"cannot write {request.out}: {os.strerror(errno.ENOTDIR)}")
+    if request.is_report_only and not path.exists():
+        raise FileFormatError(
+            f"{path}: {os.strerror(errno.ENOENT)}; --report-only needs the rows of a run"
+        )
+    with writing(request.out):
+        request.out.mkdir(parents=True, exist_ok=True)
+
+
 def _study(request: StudyRequest) -> Study:
     """Return the study asked for."""
     if request.dask is not None and request.jobs > 1:
@@ -123,7 +136,7 @@ def _study(request: StudyRequest) -> Study:
     names = [method.name for method in study.methods]
     for name in request.methods:
         if name not in names:
-            raise ScenarioError(f"methods must be among {'; '.join(names)}; got {name!r}")
+            raise ScenarioError(f"--method must be among {'; '.join(names)}; got {name!r}")
     return study
 
 
