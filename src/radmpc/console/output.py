@@ -18,7 +18,15 @@ from radmpc.system.streams import has_every_letter
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-__all__ = ["is_stdout", "note", "reports_beside", "show", "show_json", "silence_closed_pipe", "width"]
+__all__ = [
+    "is_stdout",
+    "note",
+    "reports_beside",
+    "show",
+    "show_json",
+    "silence_closed_pipe",
+    "width",
+]
 
 _STDOUT = 1
 """The descriptor that ``/dev/stdout`` is."""

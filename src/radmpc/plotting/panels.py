@@ -10,12 +10,14 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Polygon
+from matplotlib.text import Annotation
+from mpl_toolkits.mplot3d import Axes3D
 
 from radmpc.arrays import Matrix
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.extent import plan_extent
-from radmpc.plotting.canvas.figure import check_figure, new_figure
+from radmpc.plotting.canvas.figure import check_figure, new_figure, settle_axes
 from radmpc.plotting.canvas.headline import PLAIN
 from radmpc.plotting.canvas.style import TITLE_SIZE, vehicle_colors
 from radmpc.plotting.canvas.title import num_title_lines
@@ -96,9 +98,15 @@ def plot_panels(
             figure.add_subplot(rows, columns, i + 1, projection=None if is_flat else "3d")
             for i in range(len(panels))
         ]
+    if not is_flat:
+        # Drawing one panel lays out all of them, by the limits that each was drawn with before.
+        for axes, own in zip(all_axes, extents, strict=True):
+            settle_axes(axes, own)
     for axes, panel in zip(all_axes, panels, strict=True):
         plot_plan(panel.plan, axes, title=panel.title)
         _draw_outlines(axes, panel)
+        if isinstance(axes, Axes3D):
+            _leave_out_of_layout(axes)
         if is_flat:
             axes.set_xlim(*extent[:, 0])
             axes.set_ylim(*extent[:, 1])
@@ -108,6 +116,13 @@ def plot_panels(
         text = axes.get_title(loc="left") + "\n" * missing
         axes.set_title(text, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
     return figure
+
+
+def _leave_out_of_layout(ax: Axes3D) -> None:
+    """Let a layout measure the frame alone: contents in space have a place once they are drawn."""
+    for artist in (*ax.lines, *ax.collections, *ax.patches, *ax.texts):
+        if not isinstance(artist, Annotation):
+            artist.set_in_layout(False)
 
 
 def _draw_outlines(ax: Axes, panel: Panel) -> None:
