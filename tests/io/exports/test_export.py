@@ -204,3 +204,21 @@ def test_files_are_written_whole(tmp_path: Path) -> None:
     for path, content in exported.files.items():
         assert path.read_bytes() == content
         assert json.loads(content)
+
+
+def test_heights_far_from_the_origin_are_told_to_differ_from_the_plans() -> None:
+    options = ExportOptions(ORIGIN)
+    near = plan_of(FLIGHT)
+    path = near.trajectories[0]
+    means = path.means + np.array([10_000.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    far = replace(near, trajectories=(replace(path, means=means),))
+    # The ground lies 10 km squared over twice the earth's radius below the plane.
+    expected = (
+        "heights are up to 7.8 m larger than the plan's z: 9.99 km from its origin the ground "
+        "lies as far below its plane"
+    )
+    for to in ("qgc", "waypoints", "kml"):
+        assert expected in export_plan(far, to, "out", options).warnings
+        assert expected not in "".join(export_plan(near, to, "out", options).warnings)
+    assert export_plan(far, "geojson", "out", options).warnings == ()
+    assert len(export_plan(plan_of(HARBOR), "qgc", "out", options).warnings) == 1

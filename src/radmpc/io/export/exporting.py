@@ -17,7 +17,7 @@ from radmpc.io.export.names import distinct, file_part
 from radmpc.io.export.origin import Placement, scenario_origin
 from radmpc.io.export.qgc import write_qgc
 from radmpc.io.export.ros2 import write_mcap
-from radmpc.io.export.statements import timing_sentence
+from radmpc.io.export.statements import height_sentence, timing_sentence
 from radmpc.io.export.table import write_table
 from radmpc.io.export.tracks import TimedPath, thinned_tracks, tracks_of
 from radmpc.io.export.waypoints import write_waypoints
@@ -47,6 +47,9 @@ _SINGLE: Mapping[str, Callable[[Job, TimedPath], bytes]] = {
     "qgc": write_qgc,
     "waypoints": write_waypoints,
 }
+
+_LEVEL = (*_SINGLE, "kml")
+"""Formats whose heights are above home or ground, which are level."""
 
 FORMATS = (*_SINGLE, *_FLEET)
 
@@ -155,11 +158,11 @@ def export_plan(
     job = _job(plan, to, options)
     target = Path(path)
     if to in _FLEET:
-        return Exported({target: _FLEET[to](job)}, {}, ())
+        return Exported({target: _FLEET[to](job)}, {}, _warnings(job, to))
     names = _file_names(job, target)
     files = {names[track.name]: _SINGLE[to](job, track) for track in job.tracks}
     vehicles = {place: name for name, place in names.items()} if len(files) > 1 else {}
-    return Exported(files, vehicles, (timing_sentence(plan),))
+    return Exported(files, vehicles, _warnings(job, to))
 
 
 def save_export(
@@ -252,6 +255,15 @@ def _job(plan: Plan, to: str, options: ExportOptions) -> Job:
         is_certified = certified is not None and certified <= plan.scenario.risk_bound
     placement = None if origin is None else Placement(origin, altitude)
     return Job(plan, tracks, is_certified, placement, altitude, options.note)
+
+
+def _warnings(job: Job, to: str) -> tuple[str, ...]:
+    """Return what a format loses of a plan."""
+    warnings = [timing_sentence(job.plan)] if to in _SINGLE else []
+    if to in _LEVEL:
+        heights = height_sentence(job.place, [track.positions for track in job.tracks])
+        warnings += [] if heights is None else [heights]
+    return tuple(warnings)
 
 
 def _file_names(job: Job, target: Path) -> dict[str, Path]:

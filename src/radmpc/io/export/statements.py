@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
+from radmpc.arrays import Matrix
 from radmpc.io.export.origin import Placement
 from radmpc.io.text.files import one_line
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 
-__all__ = ["origin_sentence", "risk_sentence", "timing_sentence", "title"]
+__all__ = ["height_sentence", "origin_sentence", "risk_sentence", "timing_sentence", "title"]
+
+_LEAST_DIFFERENCE = 1.0
+"""Difference of heights that is worth a warning [m]: altimeters are no better."""
 
 
 def title(plan: Plan, vehicle: str | None = None) -> str:
@@ -58,4 +66,33 @@ def origin_sentence(placement: Placement) -> str:
     return (
         f"origin of the plan: latitude {origin.latitude:.9g}, longitude {origin.longitude:.9g}, "
         f"{origin.height:g} m above the WGS84 ellipsoid"
+    )
+
+
+def height_sentence(placement: Placement, paths: Sequence[Matrix]) -> str | None:
+    """Return by how much heights above home or ground differ from the plan's own.
+
+    Parameters
+    ----------
+    placement : Placement
+        Where the plan lies.
+    paths : sequence of (k, d) array
+        Mean positions [m].
+
+    Returns
+    -------
+    str or None
+        None where it is less than a meter, or the plan has no heights of its own.
+    """
+    points = np.concatenate(paths)
+    if points.shape[1] == 2:
+        return None
+    above = np.array(placement.levels(points)) - points[:, 2]
+    worst = int(np.argmax(above))
+    if above[worst] < _LEAST_DIFFERENCE:
+        return None
+    distance = float(np.hypot(*points[worst, :2])) / 1000.0
+    return (
+        f"heights are up to {above[worst]:.1f} m larger than the plan's z: {distance:.3g} km from "
+        "its origin the ground lies as far below its plane"
     )
