@@ -13,6 +13,7 @@ from radmpc.importing.geo.feature import Feature
 from radmpc.importing.geo.properties import unknown_properties
 from radmpc.importing.rounding import rounded
 from radmpc.records import dataclass
+from radmpc.rounding import rounded_up
 
 __all__ = [
     "CONTROL_LIMIT",
@@ -134,7 +135,9 @@ def describe_choices(
         if 0 < count < len(stated):
             told[key] = f"as stated, else {text}"
     limits = f"speed {told['speed_limit']}, acceleration {told['control_limit']}, per axis"
-    place = f"{origin.latitude:.9g}°, {origin.longitude:.9g}°, height {origin.height:g} m"
+    # Adding zero takes the sign from a zero.
+    latitude, longitude = origin.latitude + 0.0, origin.longitude + 0.0
+    place = f"{latitude:.9g}°, {longitude:.9g}°, height {origin.height:g} m"
     return (
         ("origin", f"{place}, {'as stated' if is_stated else 'the middle of everything drawn'}"),
         ("frame", "x east, y north in meters, in the plane that touches WGS 84 at the origin"),
@@ -170,7 +173,7 @@ def describe_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, .
     sagitta = placed.longest_side(features) ** 2 * slope / (8.0 * _EARTH)
     if sagitta > _VISIBLE_SAGITTA:
         warnings.append(
-            f"sides of polygons and lines are straight in the plane, up to {sagitta:.2g} m beside "
+            f"sides of polygons and lines are straight in the plane, up to {rounded_up(sagitta):g} m beside "
             "a line of equal latitude: give long ones more corners"
         )
     return tuple(warnings)
