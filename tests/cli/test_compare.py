@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import io
 import json
+from contextlib import nullcontext
 
 import pytest
 from rich.console import Console
 
+from radmpc.console.commands import comparing
 from radmpc.console.reports.comparison_table import comparison_table, rate_text
 from radmpc.experiments.comparing import compare
 from radmpc.io.native.scenario_file import load_scenario
@@ -123,3 +125,20 @@ def test_compare_refuses_what_cannot_be_in_one_line(run, crossing, words, messag
     assert result.exit_code == 2
     assert message in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("count", "end"),
+    [(1, "planners that had not begun are left out: radmpc"), (2, "every planner had begun")],
+)
+def test_an_interruption_tells_which_planners_are_left_out(run, crossing, monkeypatch, count, end):
+    pressed = []
+
+    def interrupted(scenario, planners, **words):
+        yield from compare(scenario, planners[:count], **words)
+        pressed.append(True)
+
+    monkeypatch.setattr(comparing, "compare", interrupted)
+    monkeypatch.setattr(comparing, "stop_on_interrupt", lambda: nullcontext(lambda: bool(pressed)))
+    result = run("compare", crossing, "--planners", "dlp, radmpc", "--samples", 100)
+    assert result.stderr.splitlines()[-1] == f"radmpc: interrupted: {end}"

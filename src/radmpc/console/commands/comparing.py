@@ -128,10 +128,17 @@ def run_compare(scenario: Scenario, request: CompareRequest) -> int:
             show(f"picture written to {request.figure}")
     is_any_within = any(one.is_within for one in found)
     if was_interrupted:
-        note("interrupted: planners that had not begun are left out")
+        note(f"interrupted: {_left_out(request.planners[len(found) :])}")
     elif not is_any_within:
         note("no planner has a plan that is certified within the risk bound")
     return Code.OK if is_any_within else Code.NO
+
+
+def _left_out(planners: Sequence[str]) -> str:
+    """Return which planners an interruption has left out."""
+    if not planners:
+        return "every planner had begun"
+    return f"planners that had not begun are left out: {', '.join(planners)}"
 
 
 def _show_reasons(found: Sequence[Comparison]) -> None:
