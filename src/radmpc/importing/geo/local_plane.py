@@ -173,7 +173,8 @@ def describe_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, .
     sagitta = placed.longest_side(features) ** 2 * slope / (8.0 * _EARTH)
     if sagitta > _VISIBLE_SAGITTA:
         warnings.append(
-            f"sides of polygons and lines are straight in the plane, up to {rounded_up(sagitta):g} m beside "
-            "a line of equal latitude: give long ones more corners"
+            "sides of polygons and lines are straight in the plane, up to "
+            f"{rounded_up(sagitta):g} m beside a line of equal latitude: give long ones more "
+            "corners"
         )
     return tuple(warnings)
