@@ -74,7 +74,7 @@ class Mixture:
         scale = np.concatenate(pieces).std(axis=0)
         scale = np.maximum(scale, 1e-9 * max(float(scale.max()), 1e-150))
         self._pieces = [piece / scale for piece in pieces]
-        self._scale, self._size = scale[:n], n
+        self._scales, self._scale, self._size = scale, scale[:n], n
         more = len(scale) - n
         relative = model.A * scale[:n] / scale[:n, None]
         eye, units, nothing = np.eye(n), _units(n), np.zeros((n + more, n))
@@ -99,11 +99,7 @@ class Mixture:
             From step to step [-].
         """
         if color not in self._known:
-            first, *others = self._sources
-            sources = [first._replace(color=color), *others]
-            units = tuple(source.units for source in sources)
-            seen = spectra(self._pieces, sources)
-            likelihood = Whittle(seen._replace(loss=seen.loss * self._repeated), units)
+            likelihood = self._likelihood(self._pieces, color)
             near = min(self._known.values(), key=lambda one: abs(one.color - color), default=None)
             start = self._start if near is None else near.entries
             entries, value = likelihood.likeliest(start)
@@ -121,6 +117,18 @@ class Mixture:
             options={"xatol": _CLOSE},
         )  # fmt: skip
         return max(self.at(_color(float(found.x))), self.at(_color(grid[at])), key=_peak)
+
+    def part(self, found: Mixed, pieces: Sequence[Matrix]) -> Whittle:
+        """Return the likelihood of the same covariances and memory by some of the runs alone.
+
+        Parameters
+        ----------
+        found : Mixed
+            The likeliest by all runs.
+        pieces : sequence of (k, n) array
+            Some of the runs.
+        """
+        return self._likelihood([piece / self._scales for piece in pieces], found.color)
 
     def scores(self, found: Mixed) -> Vector:
         """Return variances of the measurement noise in their standard deviations, (n,).
@@ -169,6 +177,14 @@ class Mixture:
             for part in (slice(0, half), slice(half, None))
         )
         return W, R, color
+
+    def _likelihood(self, pieces: Sequence[Matrix], color: float) -> Whittle:
+        """Return the likelihood of covariances by scaled runs, with one autocorrelation."""
+        first, *others = self._sources
+        sources = [first._replace(color=color), *others]
+        seen = spectra(pieces, sources)
+        units = tuple(source.units for source in sources)
+        return Whittle(seen._replace(loss=seen.loss * self._repeated), units)
 
     def _along(self, place: float) -> float:
         """Return the log-likelihood by the logarithm of the time constant in steps."""
