@@ -95,3 +95,34 @@ def test_measurement_noise_in_a_loop_leaves_no_more_than_an_upper_bound(seed: in
 def test_memory_as_long_as_can_be_told_is_called_so() -> None:
     found = identify(fly(Truth(steps=400, color=0.997, seen=SEEN), 6))
     assert any(sentence.startswith("time constant above 99.5 s") for sentence in found.unknown)
+
+
+def claims_sensors(truth: Truth, seed: int) -> bool:
+    """Whether any measurement noise counts as sure."""
+    pooled = identify(fly(truth, seed)).pooled
+    return pooled.measurement is not None and bool(np.any(np.diag(pooled.measurement.low) > 0.0))
+
+
+def test_sensors_without_noise_get_none_for_what_memory_makes_look_alike() -> None:
+    truth = Truth(steps=1000, dimension=3, color=0.7)
+    for seed in (15, 17):
+        found = identify(fly(truth, seed))
+        assert np.all(np.diag(found.pooled.measurement.low) == 0.0)
+        assert np.all(np.diag(is_in(found.pooled.measurement, np.zeros((6, 6)))))
+        assert "measurement" not in noise_block(found).content["defaults"]
+        assert any(sentence.startswith("measurement noise: it may") for sentence in found.unknown)
+
+
+@pytest.mark.slow
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize(
+    "truth",
+    [Truth(steps=1000, dimension=3, color=0.7), Truth(color=0.7), Truth(steps=1000, color=0.9)],
+    ids=["solid", "flat", "long"],
+)
+def test_sensors_without_noise_are_called_noisy_as_seldom_as_the_level_says(truth: Truth) -> None:
+    assert sum(claims_sensors(truth, seed) for seed in range(100)) <= 5
+
+
+def test_small_noise_of_sensors_beside_memory_counts_as_sure() -> None:
+    assert claims_sensors(Truth(steps=1000, color=0.78, seen=(0.005, 0.005, 0.001, 0.001)), 7)

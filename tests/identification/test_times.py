@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from radmpc.errors import FileFormatError
 from radmpc.identification import Identification, Track, identify
 from simulator import Truth, fly
 
@@ -53,3 +54,12 @@ def test_gaps_in_rounded_times_stay_gaps() -> None:
     told = identify([track.changed(parts, np.round(track.times[kept], 3))])
     assert told.pooled.num_steps == 399 + 500
     assert [line for line in told.warnings if "a gap of 3.367 s" in line]
+
+
+def test_times_since_1970_that_run_backwards_are_told_with_all_their_digits() -> None:
+    [track] = fly(Truth(), 1)
+    times = 1760086400.0 + track.times
+    times[100] = times[99] - 0.05
+    told = "at sample 101: 1760086449.45 s after 1760086449.5 s;"
+    with pytest.raises(FileFormatError, match=told):
+        found(track, times)

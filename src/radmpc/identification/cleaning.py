@@ -142,9 +142,13 @@ def _in_order(track: Track, warnings: list[str]) -> Track:
         cause = "are these two logs in one?"
         if np.all(forward <= 0.0):
             cause = "the whole log does: turn its rows and times around"
+        # As few digits as tell a time from all others: stamps since 1970 have ten before the point.
+        earlier, later = (
+            f"{float(time)!r}".removesuffix(".0") for time in track.times[at - 1 : at + 1]
+        )
         raise FileFormatError(
-            f"{track.where}: time runs backwards at sample {at + 1}: {track.times[at]:.9g} s after "
-            f"{track.times[at - 1]:.9g} s; {cause}"
+            f"{track.where}: time runs backwards at sample {at + 1}: {later} s after {earlier} s; "
+            f"{cause}"
         )
     is_new = np.concatenate([[True], forward > 0.0])
     repeated = int((~is_new).sum())

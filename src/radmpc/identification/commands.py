@@ -1,14 +1,18 @@
-"""Whether vehicles did what they were commanded."""
+"""Commands: whether vehicles followed them, and by what feedback they were given."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from radmpc.arrays import Matrix
+from radmpc.identification.intervals import Interval, normal_interval
+from radmpc.identification.regression import Fit
 from radmpc.identification.sampling import Samples
-from radmpc.identification.segments import Evidence
+from radmpc.identification.segments import Evidence, Transitions
 
-__all__ = ["command_warning"]
+__all__ = ["LEAST_EXPLAINED", "command_warning", "feedback"]
 
 _LEAST, _MOST = 0.25, 1.5
 """Responses [-] to commands beyond which it is told. Feedback that opposes a lasting disturbance
@@ -22,6 +26,15 @@ _LEAST_SHARE = 0.2
 
 _SURE = 3.0
 """Standard deviations [-] by which it must be beyond."""
+
+
+LEAST_EXPLAINED = 0.9
+"""Share of the corrections [-] that feedback must explain to be their law: lags and filters in a
+controller leave less than a tenth."""
+
+_ROUNDING, _LAST_DIGITS = 1e-6, 1e-12
+"""Shares of the corrections along an axis, and of all corrections, [-] below which what an entry of
+K does is rounding: 32 bits hold seven digits, 64 bits sixteen."""
 
 
 def command_warning(samples: Samples, evidence: Evidence) -> tuple[str, ...]:
@@ -83,3 +96,56 @@ def _odd_axis(asked: Matrix, gained: Matrix) -> str:
         if is_other and abs(answers[i, other]) < _MOST and answers[i, i] - widths[i, i] < _LEAST:
             return f"v{axis} gains what commands along {'xyz'[other]} ask for"
     return ""
+
+
+def feedback(
+    found: Fit, group: Sequence[Transitions], evidence: Evidence
+) -> tuple[Interval | None, float, float]:
+    """Return the feedback, by least squares on what is known of it.
+
+    Parameters
+    ----------
+    found : Fit
+        Of the group's steps.
+    group : sequence of Transitions
+        Of vehicles with the same feedback.
+    evidence : {'commands', 'references', 'states'}
+        What explains their transitions.
+
+    Returns
+    -------
+    gain : Interval or None
+        K, (d, n); None where it cannot be told.
+    share : float
+        Share of the corrections that commands hold [-] which K explains; NaN without these.
+    rest : float
+        Mean square of what it leaves of them, over all axes [m²/s⁴, m²/s²]; NaN as well.
+    """
+    unknown = float("nan")
+    if evidence == "references":
+        return normal_interval(found.gain, found.gain_deviation), unknown, unknown
+    told = [(one.deviations, one.corrections) for one in group]
+    pairs = [(h, y) for h, y in told if h is not None and y is not None]
+    if evidence != "commands" or len(pairs) < len(group):
+        return None, unknown, unknown
+    h = np.concatenate([deviations for deviations, _ in pairs])
+    y = np.concatenate([corrections for _, corrections in pairs])
+    h, y = h - h.mean(axis=0), y - y.mean(axis=0)
+    gain = np.linalg.lstsq(h, y, rcond=None)[0].T
+    gain = _without_rounding(gain, h, y)
+    rest = y - h @ gain.T
+    left = float(np.sum(rest**2))
+    share = 1.0 - left / max(float(np.sum(y**2)), 1e-300)
+    if np.any(y) and share < LEAST_EXPLAINED:
+        return None, share, left / len(y)
+    variances = np.sum(rest**2, axis=0) / max(len(y) - h.shape[1] - 1, 1)
+    inverse = np.diag(np.linalg.pinv(h.T @ h, hermitian=True))
+    deviations = np.sqrt(np.outer(variances, np.maximum(inverse, 0.0)))
+    return normal_interval(gain, deviations), share, left / len(y)
+
+
+def _without_rounding(gain: Matrix, h: Matrix, y: Matrix) -> Matrix:
+    """Return a gain with zeros where it makes of deviations no more than rounding."""
+    size = y.std(axis=0)[:, None]
+    least = np.maximum(_ROUNDING * size, _LAST_DIGITS * size.max())
+    return np.where(np.abs(gain) * h.std(axis=0) <= least, 0.0, gain)

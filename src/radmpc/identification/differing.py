@@ -8,6 +8,9 @@ import numpy as np
 from scipy.special import chdtrc
 
 from radmpc.identification.estimate import Estimate
+from radmpc.identification.intervals import Interval
+from radmpc.identification.model import StepModel
+from radmpc.identification.spectral.alike import chance_of_spectra
 from radmpc.identification.tails import scatter, tails
 from radmpc.records import replace
 
@@ -18,8 +21,8 @@ _DOUBT = 0.01
 different."""
 
 
-def vehicles_differ(pooled: Estimate, each: Sequence[Estimate]) -> bool:
-    """Whether vehicles have covariances or feedback of their own: Box's test, and chi-square.
+def vehicles_differ(pooled: Estimate, each: Sequence[Estimate], model: StepModel) -> bool:
+    """Whether vehicles have noise or feedback of their own.
 
     Parameters
     ----------
@@ -27,9 +30,34 @@ def vehicles_differ(pooled: Estimate, each: Sequence[Estimate]) -> bool:
         Of all vehicles together.
     each : sequence of Estimate
         Of every vehicle.
+    model : StepModel
+        Their dynamics.
     """
     if len(each) < 2:
         return False
+    if any(one.measurement is not None for one in (pooled, *each)):
+        chances = [_spectral_chance(pooled, each, model)]
+    else:
+        chances = [_covariance_chance(pooled, each)]
+    gains = [one.gain for one in each if one.gain is not None]
+    if len(gains) == len(each):
+        chances.append(_gain_chance(gains))
+    return bool(min(chances) < _DOUBT / len(chances))
+
+
+def _spectral_chance(pooled: Estimate, each: Sequence[Estimate], model: StepModel) -> float:
+    """Return the chance of such disturbances and sensors of vehicles that are alike."""
+    steps = float(sum(one.num_steps for one in each))
+    kind = pooled.tails
+    if kind is not None and all(one.residuals.size for one in each):
+        kind = tails([one.residuals for one in each])
+    looseness = steps / scatter(kind, steps)[0]
+    pieces = [[rows for _, _, rows in one.noise] for one in each]
+    return chance_of_spectra(pieces, model, max(pooled.color, 0.0), looseness)
+
+
+def _covariance_chance(pooled: Estimate, each: Sequence[Estimate]) -> float:
+    """Return the chance of such covariances of vehicles that are alike, by Box's test."""
     n = pooled.covariance.value.shape[0]
     worths = np.array([one.worth for one in each])
     weights = worths / worths.sum()
@@ -42,18 +70,20 @@ def vehicles_differ(pooled: Estimate, each: Sequence[Estimate]) -> bool:
     groups = len(each) - 1
     correction = (2 * n**2 + 3 * n - 1) / (6.0 * (n + 1) * groups)
     correction *= float(np.sum(1.0 / worths)) - 1.0 / worths.sum()
-    chances = [chdtrc(0.5 * groups * n * (n + 1), max(statistic * (1.0 - correction), 0.0))]
-    gains = [one.gain for one in each if one.gain is not None]
-    if len(gains) == len(each):
-        values = np.array([gain.value for gain in gains])
-        widths = np.array([gain.high - gain.value for gain in gains]) / 1.96
-        variances = np.clip(widths**2, 1e-300, 1e300)
-        center = np.sum(values / variances, axis=0) / np.sum(1.0 / variances, axis=0)
-        # Gains that a program computed are exact: differences in their last digits are none.
-        apart = np.abs(values - center) > 1e-6 * np.abs(center).max()
-        spread = np.sum(np.where(apart, (values - center) ** 2 / variances, 0.0))
-        chances.append(chdtrc(groups * values[0].size, spread))
-    return bool(min(chances) < _DOUBT / len(chances))
+    freedom = 0.5 * groups * n * (n + 1)
+    return float(chdtrc(freedom, max(statistic * (1.0 - correction), 0.0)))
+
+
+def _gain_chance(gains: Sequence[Interval]) -> float:
+    """Return the chance of such feedback of vehicles that are alike, by chi-square."""
+    values = np.array([gain.value for gain in gains])
+    widths = np.array([gain.high - gain.value for gain in gains]) / 1.96
+    variances = np.clip(widths**2, 1e-300, 1e300)
+    center = np.sum(values / variances, axis=0) / np.sum(1.0 / variances, axis=0)
+    # Gains that a program computed are exact: differences in their last digits are none.
+    apart = np.abs(values - center) > 1e-6 * np.abs(center).max()
+    spread = np.sum(np.where(apart, (values - center) ** 2 / variances, 0.0))
+    return float(chdtrc((len(gains) - 1) * values[0].size, spread))
 
 
 def scaled_apart(pooled: Estimate, each: Sequence[Estimate], share: float) -> Estimate:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix
+from radmpc.identification.commands import feedback
 from radmpc.identification.drift import SURE, current, mean_of_steps
 from radmpc.identification.intervals import (
     Interval,
@@ -20,7 +21,6 @@ from radmpc.identification.model import StepModel
 from radmpc.identification.regression import (
     LEAST_CHANCE,
     Fit,
-    feedback,
     feedback_chance,
     fit,
     time_constant,

@@ -130,7 +130,7 @@ def identify(
     each = (
         (pooled,) if len(vehicles) == 1 else tuple(estimate([one], model, evidence) for one in own)
     )
-    differ = len(each) == len(vehicles) and vehicles_differ(pooled, each)
+    differ = len(each) == len(vehicles) and vehicles_differ(pooled, each, model)
     shared = _shared(vehicles, each if differ else (pooled,), pooled)
     if shared is not None and shared.is_sure:
         pooled = estimate(vehicles, model, evidence, share=float(shared.share.value))

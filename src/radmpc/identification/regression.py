@@ -7,26 +7,15 @@ first step of every segment.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.optimize import minimize_scalar
 from scipy.special import chdtrc
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.identification.intervals import Interval, normal_interval
-from radmpc.identification.segments import Evidence, Transitions
 from radmpc.records import dataclass
 
-__all__ = [
-    "LEAST_CHANCE",
-    "LEAST_EXPLAINED",
-    "Fit",
-    "feedback",
-    "feedback_chance",
-    "fit",
-    "time_constant",
-]
+__all__ = ["LEAST_CHANCE", "Fit", "feedback_chance", "fit", "time_constant"]
 
 _MOST_COLOR = 0.995
 """Largest autocorrelation [-] from step to step that is looked for: beyond it noise and drift
@@ -37,10 +26,6 @@ _GRID = 24
 
 LEAST_CHANCE = 0.01
 """Probability [-] below which a closed loop is not that of a double integrator with feedback."""
-
-LEAST_EXPLAINED = 0.9
-"""Share of the corrections [-] that feedback must explain to be their law: lags and filters in a
-controller leave less than a tenth."""
 
 _ROUNDS = 3
 """Rounds in which weights and gain improve each other; a fourth changes less than 1e-6 of them."""
@@ -202,51 +187,6 @@ def _variances(covariance: Matrix) -> Vector:
     """Return the diagonal, where it is zero a tiny share of the largest."""
     variances = np.diag(covariance)
     return np.maximum(variances, max(1e-20 * float(variances.max(initial=0.0)), 1e-200))
-
-
-def feedback(
-    found: Fit, group: Sequence[Transitions], evidence: Evidence
-) -> tuple[Interval | None, float, float]:
-    """Return the feedback, by least squares on what is known of it.
-
-    Parameters
-    ----------
-    found : Fit
-        Of the group's steps.
-    group : sequence of Transitions
-        Of vehicles with the same feedback.
-    evidence : {'commands', 'references', 'states'}
-        What explains their transitions.
-
-    Returns
-    -------
-    gain : Interval or None
-        K, (d, n); None where it cannot be told.
-    share : float
-        Share of the corrections that commands hold [-] which K explains; NaN without these.
-    rest : float
-        Mean square of what it leaves of them, over all axes [m²/s⁴, m²/s²]; NaN as well.
-    """
-    unknown = float("nan")
-    if evidence == "references":
-        return normal_interval(found.gain, found.gain_deviation), unknown, unknown
-    told = [(one.deviations, one.corrections) for one in group]
-    pairs = [(h, y) for h, y in told if h is not None and y is not None]
-    if evidence != "commands" or len(pairs) < len(group):
-        return None, unknown, unknown
-    h = np.concatenate([deviations for deviations, _ in pairs])
-    y = np.concatenate([corrections for _, corrections in pairs])
-    h, y = h - h.mean(axis=0), y - y.mean(axis=0)
-    gain = np.linalg.lstsq(h, y, rcond=None)[0].T
-    rest = y - h @ gain.T
-    left = float(np.sum(rest**2))
-    share = 1.0 - left / max(float(np.sum(y**2)), 1e-300)
-    if np.any(y) and share < LEAST_EXPLAINED:
-        return None, share, left / len(y)
-    variances = np.sum(rest**2, axis=0) / max(len(y) - h.shape[1] - 1, 1)
-    inverse = np.diag(np.linalg.pinv(h.T @ h, hermitian=True))
-    deviations = np.sqrt(np.outer(variances, np.maximum(inverse, 0.0)))
-    return normal_interval(gain, deviations), share, left / len(y)
 
 
 def feedback_chance(found: Fit, y: Matrix, h: Matrix, follows: Vector) -> float:

@@ -153,6 +153,11 @@ def _of_commands(identified: Estimate, model: StepModel) -> list[str]:
             f"disturbance of {hidden}: measurement noise hides it; no more than the upper end of "
             "its interval is known"
         )
+    if identified.measurement is not None and not np.any(np.diag(identified.measurement.low) > 0.0):
+        sentences.append(
+            "measurement noise: it may be none; no more than the upper ends of its intervals are "
+            "known"
+        )
     if identified.gain is None and np.isfinite(identified.gain_share):
         sentences.append(
             f"feedback: deviations from references explain {100 * identified.gain_share:.0f} % of "

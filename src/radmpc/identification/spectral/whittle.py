@@ -89,10 +89,28 @@ class Whittle:
         entries : (m,) array
             The likeliest ones: from there the others are a single step away.
         """
-        gradient, information = self._slopes(entries[None], 0.0)
-        inverse = np.linalg.pinv(information[0], hermitian=True)
+        gradient, information = self.slopes(entries)
+        inverse = np.linalg.pinv(information, hermitian=True)
         deviations = np.sqrt(np.maximum(np.diag(inverse), 0.0) * self.seen.loss)
-        return entries + inverse @ gradient[0], deviations
+        return entries + inverse @ gradient, deviations
+
+    def slopes(self, entries: Vector) -> tuple[Vector, Matrix]:
+        """Return the gradient and the expected curvature of what the spectra alone say.
+
+        Parameters
+        ----------
+        entries : (m,) array
+            Of covariances that are positive definite.
+
+        Returns
+        -------
+        (m,) array
+            Gradient of the log-likelihood.
+        (m, m) array
+            Its information; the gradient's covariance is as much, times the taper's loss.
+        """
+        gradient, information = self._slopes(entries[None], 0.0)
+        return gradient[0], information[0]
 
     def peak(self, entries: Vector) -> float:
         """Return the largest log-likelihood as if covariances might be indefinite.
@@ -104,10 +122,10 @@ class Whittle:
         entries : (m,) array
             The likeliest ones: from there the others are a single step away.
         """
-        gradient, information = self._slopes(entries[None], 0.0)
-        step = np.linalg.pinv(information[0], hermitian=True) @ gradient[0]
+        gradient, information = self.slopes(entries)
+        step = np.linalg.pinv(information, hermitian=True) @ gradient
         value = float(self._values(entries[None], 0.0)[0])
-        return value + 0.5 * float(gradient[0] @ step)
+        return value + 0.5 * float(gradient @ step)
 
     def upper_ends(self, entries: Vector, which: Indices) -> Vector:
         """Return the upper ends of some entries' intervals, by what the likelihood loses to them.
