@@ -31,7 +31,7 @@ def test_the_same_vehicle_twice_is_not_called_different_for_its_noisy_sensors(
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "truth",
     [NOISY, replace(NOISY, steps=200, vehicles=3), replace(NOISY, color=0.8)],

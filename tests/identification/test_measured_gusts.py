@@ -114,7 +114,7 @@ def test_sensors_without_noise_get_none_for_what_memory_makes_look_alike() -> No
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "truth",
     [Truth(steps=1000, dimension=3, color=0.7), Truth(color=0.7), Truth(steps=1000, color=0.9)],
