@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import closing
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from radmpc import Goal, Obstacle, Scenario, Vehicle, Workspace, certify, double_integrator, plan
 from radmpc.experiments.families import circle
+from radmpc.planners.certified.phases.turned_first import FirstReports
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.large.groups import parts_of
@@ -17,6 +21,7 @@ from radmpc.planners.verdict import Verdict
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
+from running import silent_run
 
 
 def alcove() -> Scenario:
@@ -59,6 +64,53 @@ def test_a_first_plan_that_costs_much_is_turned_before_it_is_reported() -> None:
     # By faces it costs half as much again; that plan was handed on, so that an interrupt keeps it.
     assert reported[0] < 1.2 * result.plan.cost
     assert made[0].cost > 1.4 * result.plan.cost
+
+
+class Told:
+    """What was reported of plans, and what was handed on."""
+
+    def __init__(self) -> None:
+        self.costs: list[float] = []
+        self.plans: list[object] = []
+        self.run = replace(
+            silent_run(), found=lambda cost, _: self.costs.append(cost), improved=self.plans.append
+        )
+
+
+def costing(times: float, certified: float) -> FleetIncumbent:
+    """Return a plan of `circle(2)` that costs so many times what its vehicles cost alone."""
+    alone = SuccessiveLp(FACING, Limits())
+    assert alone.begin_alone()
+    return FleetIncumbent((), times * alone.paths.cost(), certified=certified)
+
+
+FACING = Hazards.of(circle(2), condensed_models(circle(2)))
+
+
+def test_a_dear_first_plan_that_leaves_most_of_the_risk_bound_waits_for_the_next() -> (
+    None
+):
+    told = Told()
+    with closing(FirstReports(told.run, FACING, 0.05)) as report:
+        report(costing(3.0, 0.001))
+        assert (len(told.costs), len(told.plans)) == (0, 1)
+        report(costing(2.5, 0.001))
+        assert (len(told.costs), len(told.plans)) == (1, 2)
+    assert told.costs == [costing(2.5, 0.001).cost]
+
+
+@pytest.mark.parametrize(("times", "certified"), [(1.5, 0.001), (3.0, 0.04)])
+def test_other_first_plans_are_reported_at_once(times: float, certified: float) -> None:
+    told = Told()
+    FirstReports(told.run, FACING, 0.05)(costing(times, certified))
+    assert told.costs == [costing(times, certified).cost]
+
+
+def test_a_first_plan_that_waits_is_reported_in_the_end() -> None:
+    told = Told()
+    with closing(FirstReports(told.run, FACING, 0.05)) as report:
+        report(costing(3.0, 0.001))
+    assert told.costs == [costing(3.0, 0.001).cost]
 
 
 def turning(is_routed: bool) -> Turning:

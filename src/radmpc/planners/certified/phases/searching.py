@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,7 @@ from radmpc.planners.certified.phases.course import (
 from radmpc.planners.certified.phases.improving import is_searched_nearby
 from radmpc.planners.certified.phases.time_shares import but_for_faces, limits_of_search
 from radmpc.planners.certified.phases.tuning import TUNING as PHASES
-from radmpc.planners.certified.phases.turned_first import at_prices
+from radmpc.planners.certified.phases.turned_first import FirstReports, at_prices
 from radmpc.planners.certified.proof.grouping import Proven
 from radmpc.planners.certified.proof.norms import outside_norms_of
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
@@ -237,14 +238,15 @@ def _first(
         from radmpc.planners.certified.turned.touring.visiting import at_good_visits  # noqa: PLC0415 - few have any
 
         visits = at_good_visits(hazards)
-    tell_it, risk_bound = partial(_tell_first, run), scenario.risk_bound
+    reports, risk_bound = FirstReports(run, hazards, scenario.risk_bound), scenario.risk_bound
 
     def alone(i: int) -> DisjunctiveProgram:
         return build_program(scenario, (hazards.models[i],), risk_bound=risk_bound)
 
-    task = Task(hazards, run.judge, limits, gap, risk_bound, tell_it, alone)
+    task = Task(hazards, run.judge, limits, gap, risk_bound, reports, alone)
     price = SEARCH_TUNING.budgets.risk_to_cost
-    return first_plan(task, price, run.rng, visits, is_needed=is_needed)
+    with closing(reports):
+        return first_plan(task, price, run.rng, visits, is_needed=is_needed)
 
 
 def _fleet(

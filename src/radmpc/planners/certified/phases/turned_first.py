@@ -1,4 +1,4 @@
-"""The first plan of a search by faces, turned before it is reported where it costs much."""
+"""First plans that cost much: reported after half-spaces were turned to them."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.state.task import task_of
+from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.planner import Run
 from radmpc.planners.verdict import Judge
+from radmpc.program.hazards import Hazards
 from radmpc.records import replace
+from radmpc.solvers.solution import Limits
 
-__all__ = ["at_prices"]
+__all__ = ["FirstReports", "at_prices"]
 
 _DEAR = 2.0
 """Multiple of what vehicles take in empty space above which a first plan is turned [-]: those of
@@ -22,6 +26,56 @@ faces in db-CBS's alcove and beside its goals cost 1.6 times the best known plan
 
 _ROUNDS = 5
 """Turns at most [-], of two vehicles 20 to 30 ms each."""
+
+_FEW = 4
+"""Vehicles up to which a plan may wait for the next turn [-], 20 to 50 ms."""
+
+_UNUSED = 0.2
+"""Share of Δ that such a plan uses at most [-]: of vehicles placed on a lattice beside db-CBS's
+goals 0.15, at 1.64 times the best known cost; the next turn, 50 ms later, comes to 1.17."""
+
+
+class FirstReports:
+    """Reports plans made before the search; a first one that costs much waits for the next.
+
+    It is handed on at once all the same, so that an interrupt loses none.
+
+    Parameters
+    ----------
+    run : Run
+        Where plans are reported to.
+    hazards : Hazards
+        The fleet.
+    risk_bound : float
+        Δ [-].
+    """
+
+    def __init__(self, run: Run, hazards: Hazards, risk_bound: float) -> None:
+        self._run, self._hazards = run, hazards
+        self._least = _UNUSED * risk_bound
+        self._waiting: float | None = None
+        self._is_first = hazards.count <= _FEW
+
+    def __call__(self, incumbent: FleetIncumbent) -> None:
+        """Report a plan, or let it wait."""
+        if self._is_first and incumbent.certified < self._least and self._is_dear(incumbent.cost):
+            self._waiting = incumbent.cost
+        else:
+            self._waiting = None
+            self._run.found(incumbent.cost, None)
+        self._is_first = False
+        self._run.improved(incumbent.controls)
+
+    def _is_dear(self, cost: float) -> bool:
+        """Whether a plan costs much more than its vehicles alone do."""
+        alone = SuccessiveLp(self._hazards, Limits())
+        return alone.begin_alone() and cost > _DEAR * alone.paths.cost()
+
+    def close(self) -> None:
+        """Report the plan that waits, if any."""
+        if self._waiting is not None:
+            self._run.found(self._waiting, None)
+            self._waiting = None
 
 
 def at_prices(
