@@ -87,9 +87,7 @@ def costing(times: float, certified: float) -> FleetIncumbent:
 FACING = Hazards.of(circle(2), condensed_models(circle(2)))
 
 
-def test_a_dear_first_plan_that_leaves_most_of_the_risk_bound_waits_for_the_next() -> (
-    None
-):
+def test_a_dear_first_plan_that_leaves_most_of_the_risk_bound_waits_for_the_next() -> None:
     told = Told()
     with closing(FirstReports(told.run, FACING, 0.05)) as report:
         report(costing(3.0, 0.001))
