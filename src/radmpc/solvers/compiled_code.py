@@ -12,7 +12,7 @@ try:
 except ImportError:
     _compiled = None  # type: ignore[assignment]  # installed where there was no compiler
 if os.environ.get("RADMPC_COMPILED") == "none":
-    _compiled = None  # type: ignore[assignment]  # as above
+    _compiled = None  # type: ignore[assignment]  # a module or None
 
 __all__ = ["is_compiled"]
 

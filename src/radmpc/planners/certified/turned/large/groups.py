@@ -47,7 +47,7 @@ def parts_of(groups: Sequence[Members]) -> tuple[Members, ...]:
     Parameters
     ----------
     groups : sequence of tuple of int
-        Who would share a linear program.
+        Vehicles that would share a linear program.
 
     Returns
     -------
