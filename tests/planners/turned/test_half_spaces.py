@@ -13,11 +13,12 @@ from radmpc.model.dynamics import double_integrator, rollout
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified.turned import encounter
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
+from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.margins import fixed_margins, priced_margins
 from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.normals import encounter
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from radmpc.experiments.families import circle
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
+from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.linear import group_lp, parts
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import Margins, priced_margins
 from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.program.build import condensed_models

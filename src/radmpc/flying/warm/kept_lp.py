@@ -12,12 +12,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.linear.given import Places
 from radmpc.planners.certified.turned.linear.group_lp import NEVER, GroupLp
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.planners.certified.turned.linear.member import Member
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
 from radmpc.program.limits.norms import norm_rows

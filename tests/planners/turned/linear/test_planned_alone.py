@@ -12,11 +12,12 @@ from radmpc.experiments.families import circle, clutter, paper
 from radmpc.experiments.swarms import swarm
 from radmpc.model.scenario import Scenario
 from radmpc.model.visits import Visit
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
+from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.linear.alone_lp import plan_alone
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.margins import Margins, fixed_margins
 from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.paths import Paths, arched
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel

@@ -11,10 +11,11 @@ from visiting import scene, vehicle
 from radmpc import Obstacle, Scenario, Visit
 from radmpc.model.dynamics import LinearSystem
 from radmpc.planners.certified.turned.grid import Grid
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
+from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.margins import fixed_margins
 from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.touring.tour_lp import TourLp
 from radmpc.program.build import condensed_models

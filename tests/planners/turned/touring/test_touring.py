@@ -12,7 +12,7 @@ from visiting import scene, vehicle
 from radmpc import Obstacle, Scenario, Vehicle, Visit, certify
 from radmpc.model.visits import steps_visited
 from radmpc.planners.certified.turned.narrow.clear import Clear
-from radmpc.planners.certified.turned.pair_normals import pair_encounter, start_normals
+from radmpc.planners.certified.turned.normals.pair_normals import pair_encounter, start_normals
 from radmpc.planners.certified.turned.paths import Paths, timed_by_visits
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.touring.crowding import crowding

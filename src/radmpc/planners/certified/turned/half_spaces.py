@@ -12,79 +12,27 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector, field_names
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.geometry import inner_faces
-from radmpc.planners.certified.turned.directions import closest_approach, from_obstacles
-from radmpc.planners.certified.turned.encounter import Encounter, ends_of, furthest, noise_of
 from radmpc.planners.certified.turned.near import Near, squared_limits
 from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
-from radmpc.planners.certified.turned.pair_normals import (
+from radmpc.planners.certified.turned.normals.directions import closest_approach, from_obstacles
+from radmpc.planners.certified.turned.normals.encounter import (
+    Encounter,
+    ends_of,
+    furthest,
+    noise_of,
+)
+from radmpc.planners.certified.turned.normals.pair_normals import (
     end_normals,
     pair_encounter,
     pair_normals,
 )
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces, laid_out
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
-from radmpc.records import dataclass
 
-__all__ = ["HalfSpaces", "half_spaces"]
-
-_TINY = 1e-12
-"""Stands for a length of 0 where one divides by it [m]."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class HalfSpaces:
-    """Half-spaces ``normal @ (position of first - position of second) >= offset``, w of them.
-
-    Attributes
-    ----------
-    first, second : (w,) int array
-        Vehicles; the second is -1 where the half-space is that of an obstacle or the workspace.
-    windows : (w,) int array
-        Window k: the interval [k, k+1], or step k+1 alone.
-    normals : (w, d) array
-        Unit normals, away from what is avoided.
-    offsets : (w, 2) array
-        Right sides without noise at the window's start and end [m].
-    deviations : (w, 2) array
-        Standard deviations along the normals there [m].
-    shares : (w,) array
-        Share θ of the start in the reserve for the sagitta: ``4θ²`` of it there, ``4(1 - θ)²`` at
-        the end [-].
-    heights : (w, 2) array
-        Left sides on the latest paths, less the reserve [m].
-    keys : (w,) int array
-        The same for the same hazard at the same window, whatever the paths.
-    """
-
-    first: Indices
-    second: Indices
-    windows: Indices
-    normals: Matrix
-    offsets: Matrix
-    deviations: Matrix
-    shares: Vector
-    heights: Matrix
-    keys: Indices
-
-    @property
-    def count(self) -> int:
-        """Number of half-spaces w."""
-        return len(self.first)
-
-    def of(self, chosen: npt.NDArray[np.bool_]) -> HalfSpaces:
-        """Return some of them, (w,) bool array."""
-        return HalfSpaces(*(getattr(self, name)[chosen] for name in _NAMES))
-
-    @property
-    def clearances(self) -> Matrix:
-        """Standard deviations that the latest paths keep, (w, 2); large without noise."""
-        room: Matrix = self.heights - self.offsets
-        return room / np.maximum(self.deviations, _TINY)
-
-
-_NAMES = field_names(HalfSpaces)
+__all__ = ["half_spaces"]
 
 
 def half_spaces(
@@ -122,10 +70,8 @@ def half_spaces(
         found.append(_inside(hazards, paths, members, near))
     if hazards.ranges:
         found.append(_within(hazards, paths, members, near))
-    if len(found) > 1:
-        parts = zip(*([getattr(part, name) for name in _NAMES] for part in found), strict=True)
-        found = [HalfSpaces(*(np.concatenate(each) for each in parts))]
-    return found[0] if counts is None else found[0].of(counts[found[0].second, found[0].windows])
+    joined = found[0] if len(found) == 1 else HalfSpaces.joined(found)
+    return joined if counts is None else joined.of(counts[joined.second, joined.windows])
 
 
 def _between(
@@ -156,13 +102,13 @@ def _between(
     keys = (pairing[0] * hazards.count + pairing[1]) * hazards.horizon + window
     met = pair_encounter(hazards, paths, pairing, radii[number])
     if not (near.is_start_given and hazards.intervals):
-        return _laid_out(met, normals, pairing, keys)
+        return laid_out(met, normals, pairing, keys, near.is_nearest_asked)
     is_given, ends = window == 0, np.flatnonzero((window == 0) | (window == hazards.horizon - 1))
     if ends.size:
         who, apart_at = tuple(each[ends] for each in pairing), (radii[number[ends]], near.clearance)
         normals[ends], is_kept = end_normals(hazards, paths, who, normals[ends], apart_at)
         is_given[ends] &= is_kept
-    return _laid_out(met, normals, pairing, keys, is_given)
+    return laid_out(met, normals, pairing, keys, near.is_nearest_asked, is_given)
 
 
 def _around(
@@ -205,7 +151,8 @@ def _around(
     normals = from_obstacles((met, moved), (faces, corners), is_exact=is_exact)
     base = hazards.count**2 * hazards.horizon
     keys = base + (first * shapes.count + piece) * hazards.horizon + window
-    return _laid_out(met, normals, (first, np.full(piece.size, -1), window), keys)
+    which = first, np.full(piece.size, -1), window
+    return laid_out(met, normals, which, keys, near.is_nearest_asked)
 
 
 def _inside(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> HalfSpaces:
@@ -264,24 +211,4 @@ def _before_faces(
     )
     keys = (numbers[place] + face) * hazards.horizon + window
     others = np.full(first.size, -1) if second is None else second
-    return _laid_out(encounter, sides[face], (first, others, window), keys)
-
-
-def _laid_out(
-    encounter: Encounter,
-    normals: Matrix,
-    who: tuple[Indices, Indices, Indices],
-    keys: Indices,
-    is_start_given: npt.NDArray[np.bool_] | None = None,
-) -> HalfSpaces:
-    """Return the half-spaces of an encounter along given normals; no share where starts are."""
-    offsets, deviations, shares = encounter.along(normals)
-    if is_start_given is not None:
-        shares[is_start_given] = 0.0
-    heights = [np.einsum("wd,wd->w", normals, end) for end in encounter.ends]
-    if len(heights) == 2:
-        reserve = 4.0 * np.maximum(np.einsum("wd,wd->w", normals, encounter.sagittas), 0.0)
-        heights[0] = heights[0] - np.square(shares) * reserve
-        heights[1] = heights[1] - np.square(1.0 - shares) * reserve
-    both = np.stack([heights[0], heights[-1]], axis=1)
-    return HalfSpaces(*who, normals, offsets, deviations, shares, both, keys)
+    return laid_out(encounter, sides[face], (first, others, window), keys)

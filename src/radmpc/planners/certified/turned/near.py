@@ -29,12 +29,15 @@ class Near:
     is_start_given : bool
         Whether in the first window only those count between vehicles that keep the clearance where
         they start: nothing changes that end. The last window is turned to goals alike.
+    is_nearest_asked : bool
+        Whether paths keep clear of corners, and of each other, where they are nearest alone.
     """
 
     clearance: float
     reach: float
     is_refined: bool
     is_start_given: bool = False
+    is_nearest_asked: bool = False
 
 
 def first_clearance(

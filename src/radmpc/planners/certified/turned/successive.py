@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Matrix
 from radmpc.gaussian import Tail
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
+from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import (
     cheapest_meter,
@@ -27,6 +27,7 @@ from radmpc.planners.certified.turned.linear.warm_programs import Group, WarmPro
 from radmpc.planners.certified.turned.looks import keep_clear, unforeseen
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import reached_by
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.paths import Paths, SavedPaths
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.least_effort import least_effort
@@ -64,6 +65,9 @@ class SuccessiveLp:
         How far half-spaces were missed when each vehicle was planned last; inf before [m].
     ahead : Paths
         Where these are expected to move: half-spaces are turned to that at a price of risk.
+    asks_nearest : bool
+        Whether half-spaces that risk is shared between may turn about the point where a path is
+        nearest, see `nearest_shares`, instead of holding both ends of its windows.
     meter : float
         What a meter at the goal costs the vehicle that moves with least effort.
     work : float
@@ -83,6 +87,7 @@ class SuccessiveLp:
         self.paths = Paths(hazards)
         self.missed = np.full(hazards.count, np.inf)
         self.work = 0.0
+        self.asks_nearest = False
         self.least: dict[int, Matrix] = {}
         self.ahead = Paths(hazards)
         self.programs = WarmPrograms(hazards, {}) if programs is None else programs
@@ -249,7 +254,7 @@ class SuccessiveLp:
         worked = program.work
         far = far_of(self.hazards.tail, TUNING.compared)
         for _ in range(TUNING.looks):
-            near = Near(far, reach, is_refined=True)
+            near = Near(far, reach, is_refined=True, is_nearest_asked=self.asks_nearest)
             spaces = half_spaces(self.hazards, self.paths, group, near, self.ahead)
             margins = priced_margins(
                 spaces.deviations,

@@ -68,12 +68,13 @@ class Turning:
     is_above : bool
         Whether it begins with paths that risk too much: the referee is not asked of these.
     is_outside : bool
-        Whether it begins with paths beyond the limits of programs: plans are only those that keep
-        them.
+        Whether it begins with paths beyond the limits of programs, which plans keep.
     is_routed : bool
         Whether it begins with routes around obstacles: there a first plan leaves much of Δ.
     latest : float
         Certificate of the latest paths, or about that [-].
+    is_cautious : bool
+        Whether the last round asked of the nearest points alone, and risks more than before.
     """
 
     task: Task
@@ -92,6 +93,7 @@ class Turning:
     is_outside: bool = False
     is_routed: bool = False
     latest: float = 0.0
+    is_cautious: bool = False
 
     def __post_init__(self) -> None:
         """Choose which vehicles share a linear program."""
@@ -144,20 +146,14 @@ class Turning:
             if useful.reached or is_enough or control.is_over or self._has_spent(number, some):
                 break
             self.price = control.price
-            is_first, was_parted = self.is_routed and not self.incumbent.controls, self._is_parted
-            before = (paths.state(), certified) if is_first else None
-            self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
-            certified, cost = self._take(before), paths.cost()
-            if was_parted and not self._is_parted:
-                # There is room for so many programs, and parts are not planned again.
-                self.successive.programs.forget_all_but(self.groups)
+            certified, cost = self._turned_and_taken(number, certified), paths.cost()
             _LOG.info(
                 "turn %d of half-spaces: price of 1 %% of the risk bound %.3g, cost %.6g, "
                 "certificate %.3g",
                 number + 1, 0.01 * task.risk_bound * self.price, cost, certified,
             )  # fmt: skip
-            has_nearly_stopped = control.has_nearly_stopped(certified, cost, self.risk)
-            between = self._take_between(control.safe, certified) if has_nearly_stopped else None
+            is_still = control.has_nearly_stopped(certified, cost, self.risk)
+            between = self._take_between(control.safe, certified) if is_still else None
             back = control.follow(certified, cost, paths.state(), self.risk, between)
             if back is not None:
                 self.successive.restore(back)
@@ -187,6 +183,24 @@ class Turning:
             return False  # the price is still too high, and the next round is cheaper
         most_work = max(TUNING.most_work, TUNING.work_each * self.task.hazards.count)
         return self.successive.work >= most_work or self.num_solves >= TUNING.most_solves
+
+    def _turned_and_taken(self, number: int, latest: float) -> float:
+        """Turn half-spaces and keep the paths if they are a better plan; return the certificate.
+
+        Given are the round's number, and the certificate before. Without a plan, paths must not get
+        stuck between corners; where that risks more, both ends of windows are kept next.
+        """
+        successive, was_parted = self.successive, self._is_parted
+        is_first = self.is_routed and not self.incumbent.controls
+        before = (successive.paths.state(), latest) if is_first else None
+        successive.asks_nearest = not (self.incumbent.controls or self.is_cautious)
+        self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
+        certified = self._take(before)
+        self.is_cautious = successive.asks_nearest and certified > latest
+        successive.asks_nearest = False
+        if was_parted and not self._is_parted:  # parts are not planned again
+            successive.programs.forget_all_but(self.groups)
+        return certified
 
     def _turn(self, spacing: float) -> None:
         """Plan every group once, at once where none shares a set with another."""
@@ -259,11 +273,11 @@ class Turning:
         # that nobody turned would, too.
         is_known = self.risk > 0.0 and not self.is_partial
         price = self.price * ratio if is_known else self.incumbent.turned_price
-        ratio = ratio if is_known else self.incumbent.risk_ratio
+        ratio, paths = ratio if is_known else self.incumbent.risk_ratio, self.successive.paths
         self.incumbent = replace(
             self.incumbent,
-            controls=tuple(self.successive.paths.controls),
-            cost=self.successive.paths.cost(),
+            controls=tuple(paths.controls),
+            cost=paths.cost(),
             certified=certified,
             sets=self.sets,
             turned_price=price,

@@ -15,13 +15,14 @@ import numpy as np
 
 from radmpc.arrays import Tensor
 from radmpc.gaussian import Tail
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
+from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import far_of, priced_margins
 from radmpc.planners.certified.turned.linear.warm_programs import Group
 from radmpc.planners.certified.turned.looks import unforeseen
 from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.executing import in_order
@@ -211,7 +212,8 @@ def _part(
     """Turn half-spaces to the paths of some groups."""
     hazards, paths = successive.hazards, successive.paths
     members = sorted(i for group in groups for i in group)
-    near = Near(far_of(hazards.tail, TUNING.compared), reach, is_refined=True)
+    far, is_asked = far_of(hazards.tail, TUNING.compared), successive.asks_nearest
+    near = Near(far, reach, is_refined=True, is_nearest_asked=is_asked)
     spaces = half_spaces(hazards, paths, members, near, successive.ahead)
     models = {i: hazards.models[i] for i in members}
     price, spacing = costs

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
+from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.linear.margins import far_of
 from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.hazards import Hazards

@@ -10,12 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.linear.bending import can_bend
 from radmpc.planners.certified.turned.linear.given import Layout, Places
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import Margins
 from radmpc.planners.certified.turned.linear.parts import Rows, rows_of
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.least_effort import alone_in_space
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.linear.given import Places
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.program.condensed import CondensedModel
 
 __all__ = ["can_bend"]

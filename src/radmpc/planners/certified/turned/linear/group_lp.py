@@ -10,7 +10,6 @@ import numpy.typing as npt
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.linear.bending import can_bend
 from radmpc.planners.certified.turned.linear.given import Layout, Places
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
@@ -24,6 +23,7 @@ from radmpc.planners.certified.turned.linear.parts import (
     near_first,
     rows_of,
 )
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.program.condensed import CondensedModel
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL
@@ -227,35 +227,36 @@ class GroupLp:
         rows, first = laid_out
         chosen, ends = rows.spaces, rows.ends
         normals, windows = spaces.normals[chosen], spaces.windows[chosen]
-        steps = windows + ends
         lower = rights[chosen, ends].copy()
         per_end = (self._lp.num_columns - first) // max(self._num_ends * spaces.count, 1)
         block = self._num_ends * chosen + ends - (2 - self._num_ends)
         given_up = first + block[:, None] * per_end + np.arange(per_end)
         where, columns = [np.repeat(np.arange(rows.count), per_end)], [given_up.ravel()]
         values = [np.ones(given_up.size)]
+        # Of the point that keeps clear: its own end of the window, the other if it is in between.
+        parts = (rows.weights, windows + ends), (1.0 - rows.weights, windows + 1 - ends)
         for sign, everyone in ((1.0, spaces.first[chosen]), (-1.0, spaces.second[chosen])):
             slots = np.where(everyone >= 0, self._slots[everyone], -1)
             mine = np.flatnonzero(slots >= 0)
             still = np.flatnonzero((everyone >= 0) & (slots < 0))
             if still.size:
-                at = paths.means[everyone[still], steps[still]]
-                hang = paths.sagittas[everyone[still], windows[still]]
-                fixed = at - rows.reserves[still, None] * hang
+                who = everyone[still]
+                at = sum(w[still, None] * paths.means[who, steps[still]] for w, steps in parts)
+                fixed = at - rows.reserves[still, None] * paths.sagittas[who, windows[still]]
                 lower[still] -= sign * np.einsum("wd,wd->w", normals[still], fixed)
             if not mine.size:
                 continue
+            for weights, steps in parts:
+                some = mine[weights[mine] > 0.0]
+                pulls = sign * weights[some, None] * normals[some]
+                given = np.flatnonzero(steps[some] == 0)
+                starts = paths.means[everyone[some[given]], 0]
+                lower[some[given]] -= np.einsum("wd,wd->w", pulls[given], starts)
+                pulls[given] = 0.0
+                where.append(np.repeat(some, pulls.shape[1]))
+                columns.append(self._columns_of(slots[some], steps[some], pulls.shape[1]).ravel())
+                values.append(pulls.ravel())
             slots = slots[mine]
-            where.append(np.repeat(mine, normals.shape[1]))
-            moving = steps[mine] > 0
-            placed = self._positions[slots][:, None] + np.arange(normals.shape[1])
-            placed = placed + (normals.shape[1] * np.maximum(steps[mine] - 1, 0))[:, None]
-            columns.append(placed.ravel())
-            values.append((sign * normals[mine] * moving[:, None]).ravel())
-            given = np.flatnonzero(~moving)
-            if given.size:
-                start = paths.means[everyone[mine][given], 0]
-                lower[mine[given]] -= sign * np.einsum("wd,wd->w", normals[mine][given], start)
             for at, column, pull in self._bends(rows, normals, windows, (sign, mine, slots)):
                 where.append(at)
                 columns.append(column)
@@ -263,6 +264,11 @@ class GroupLp:
         shape = (rows.count, self._lp.num_columns)
         entries = np.concatenate(where), np.concatenate(columns), np.concatenate(values)
         return rows_of_entries(*entries, shape), lower
+
+    def _columns_of(self, slots: Indices, steps: Indices, dimension: int) -> Indices:
+        """Return the columns of members' positions at steps, (r, d); those of step 1 for step 0."""
+        first = self._positions[slots] + dimension * np.maximum(steps - 1, 0)
+        return np.asarray(first[:, None] + np.arange(dimension))
 
     def _bends(
         self, rows: Rows, normals: Matrix, windows: Indices, member: tuple[float, Indices, Indices]

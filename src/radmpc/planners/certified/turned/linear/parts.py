@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Vector
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.linear.kept_basis import Offered
 from radmpc.planners.certified.turned.linear.margins import Margins
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.records import dataclass
 
 __all__ = ["FEW", "FEW_PRICED", "Entered", "Rows", "are_few", "near_first", "rows_of"]
@@ -38,11 +38,14 @@ class Rows:
         The half-space and the end of each.
     reserves : (r,) array
         The multiple of the sagitta that is kept free there [-].
+    weights : (r,) array
+        Of that end in the point that keeps clear, the other end having the rest [-].
     """
 
     spaces: Indices
     ends: Indices
     reserves: Vector
+    weights: Vector
 
     @property
     def count(self) -> int:
@@ -54,7 +57,8 @@ def rows_of(spaces: HalfSpaces, bends: npt.NDArray[np.bool_] | None) -> Rows:
     """Choose the rows: at each end the chord, and where the curve comes closer, its reserve.
 
     With s the sagitta toward the half-space and θ its share, the curve keeps what the chord's start
-    keeps less ``4θ²s`` and its end less ``4(1 - θ)²s``.
+    keeps less ``4θ²s`` and its end less ``4(1 - θ)²s``. Where the nearest point alone is asked,
+    after a share t, both rows are of that point, less ``4t(1 - t)s``.
 
     Parameters
     ----------
@@ -65,17 +69,23 @@ def rows_of(spaces: HalfSpaces, bends: npt.NDArray[np.bool_] | None) -> Rows:
     """
     every = np.arange(spaces.count)
     if bends is None:
-        return Rows(every, np.ones(spaces.count, dtype=np.int64), np.zeros(spaces.count))
-    share = spaces.shares
-    spaces_of, ends, reserves = [], [], []
-    for end, kept in ((0, share), (1, 1.0 - share)):
+        ones = np.ones(spaces.count)
+        return Rows(every, ones.astype(np.int64), np.zeros(spaces.count), ones)
+    share, nearest = spaces.shares, spaces.nearest
+    is_both = np.isnan(nearest)
+    at_nearest = 4.0 * nearest * (1.0 - nearest)
+    spaces_of, ends, reserves, weights = [], [], [], []
+    for end, kept, own in ((0, share, 1.0 - nearest), (1, 1.0 - share, nearest)):
         # The first position is given.
         plain = every[(spaces.windows > 0) | (end == 1)]
         bent = every[bends & (kept > _LITTLE)]
         spaces_of += [plain, bent]
         ends += [np.full(plain.size + bent.size, end)]
-        reserves += [np.zeros(plain.size), 4.0 * np.square(kept[bent])]
-    return Rows(np.concatenate(spaces_of), np.concatenate(ends), np.concatenate(reserves))
+        reserve = np.where(is_both, 4.0 * np.square(kept), at_nearest)
+        reserves += [np.zeros(plain.size), reserve[bent]]
+        weight = np.where(is_both, 1.0, own)
+        weights += [weight[plain], weight[bent]]
+    return Rows(*(np.concatenate(each) for each in (spaces_of, ends, reserves, weights)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

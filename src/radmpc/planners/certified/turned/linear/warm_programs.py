@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.linear.alone_lp import plan_alone
 from radmpc.planners.certified.turned.linear.given import Places
 from radmpc.planners.certified.turned.linear.group_lp import GroupLp
 from radmpc.planners.certified.turned.linear.group_plan import GroupPlan
 from radmpc.planners.certified.turned.linear.margins import Margins
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.compiled_code import is_compiled
 

@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
+from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.touring.solo_plan import SoloPlan, heights_on
 from radmpc.planners.certified.turned.touring.tour_lp import TourLp
@@ -24,8 +25,7 @@ _LITTLE = 1e-7
 
 _REACH, _LEAST_REACH = 0.25, 0.1
 """Room around a path within which half-spaces are turned to it, at first and at least [moves]: what
-it comes near beyond that gets one the next time. A linear program of 50 vehicles has a fifth of the
-rows."""
+it comes near beyond gets one the next time. A linear program of 50 has a fifth of the rows."""
 
 _TELLING = 0.05
 """Share of what the worst pair misses from which on others count [-]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass

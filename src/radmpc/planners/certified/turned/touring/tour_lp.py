@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.touring.motion import boxes_of, motion_rows, norm_rows
 from radmpc.program.condensed import CondensedModel

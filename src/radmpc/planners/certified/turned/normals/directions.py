@@ -6,7 +6,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.geometry import sphere_directions
-from radmpc.planners.certified.turned.encounter import Encounter
+from radmpc.planners.certified.turned.normals.encounter import Encounter
 from radmpc.planners.certified.turned.tuning import TUNING
 
 __all__ = ["around_approach", "closest_approach", "from_obstacles", "nearest", "refined"]

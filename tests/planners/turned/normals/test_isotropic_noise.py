@@ -9,8 +9,9 @@ import pytest
 
 from radmpc.experiments.families import paper
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
+from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards

@@ -6,13 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.planners.certified.turned.directions import (
+from radmpc.planners.certified.turned.normals.directions import (
     around_approach,
     closest_approach,
     nearest,
     refined,
 )
-from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise_of
+from radmpc.planners.certified.turned.normals.encounter import Encounter, ends_of, noise_of
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
 

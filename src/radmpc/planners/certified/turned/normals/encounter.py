@@ -10,7 +10,7 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 
-__all__ = ["Encounter", "Supports", "ends_of", "furthest", "noise_of"]
+__all__ = ["Encounter", "Supports", "ends_of", "furthest", "noise_of", "tangents_of"]
 
 _STEPS = {2: 0.0325 / 4.0 ** np.arange(4.0), 3: 0.14 / 3.0 ** np.arange(5.0)}
 """Angular steps of the refinements around the best direction, by dimension [rad]: in the plane four
@@ -154,23 +154,33 @@ def _best_shares(
 
 def _around(normals: Tensor, step: float) -> Tensor:
     """Return normals and others some angular steps around them, (w, c, d)."""
+    tangents = tangents_of(normals)
     if normals.shape[1] == 2:
-        tangents = np.stack([-normals[:, 1], normals[:, 0]], axis=1)
         # Of the same length each, whatever the normal.
         moves = step * _BESIDE
         length = np.sqrt(1.0 + np.square(moves))
-        return np.asarray(
-            normals[:, None] / length + tangents[:, None] * (moves / length), dtype=np.float64
-        )
-    axis = np.eye(3)[np.abs(normals).argmin(axis=1)]
-    first = np.cross(normals, axis)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    tangents = np.stack([first, np.cross(normals, first)], axis=1)
+        return np.asarray(normals[:, None] / length + tangents * (moves / length), dtype=np.float64)
     angles = 0.25 * np.pi * np.arange(8)
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
     moves = np.vstack([np.zeros((1, 2)), circle, 2.0 * circle])
     moved = normals[:, None, :] + step * np.einsum("cm,wmd->wcd", moves, tangents)
     return np.asarray(moved / np.linalg.norm(moved, axis=2, keepdims=True))
+
+
+def tangents_of(normals: Matrix) -> Tensor:
+    """Return unit vectors across normals, each across the others, (w, d - 1, d).
+
+    Parameters
+    ----------
+    normals : (w, d) array
+        Unit vectors.
+    """
+    if normals.shape[1] == 2:
+        return np.stack([-normals[:, 1], normals[:, 0]], axis=1)[:, None]
+    axis = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    first = np.cross(normals, axis)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(normals, first)], axis=1)
 
 
 def ends_of(hazards: Hazards, start: Tensor, end: Tensor) -> tuple[Tensor, ...]:
