@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import math
 import os
@@ -9,13 +10,16 @@ import signal
 import subprocess
 import sys
 import time
+import weakref
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from cli.conftest import CROSSING
+from cli.conftest import CROSSING, Run, assert_one_line
+from radmpc.console import loading
 from radmpc.console.running import guard
+from radmpc.console.running.interrupt import repeat_swallowed_interrupts
 from radmpc.experiments.study import read_rows
 from radmpc.io.native.plan_file import load_plan
 
@@ -206,3 +210,60 @@ def test_ctrl_c_while_a_class_is_made_is_no_defect() -> None:
 
     assert guard._guarded(imported, is_debug=False) == 1
     assert guard._guarded(lambda: int("x"), is_debug=False) == 3
+
+
+class Finalized:
+    """Interrupted while Python finalizes it."""
+
+    def __del__(self) -> None:
+        signal.raise_signal(signal.SIGINT)
+
+
+class Holder:
+    """Something that is finalized within its own finalizer."""
+
+    def __del__(self) -> None:
+        Finalized()
+        sys.stdout.write("the finalizer went on\n")
+
+
+def from_compiled_code() -> None:
+    ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))()
+
+
+def as_a_reference_dies() -> None:
+    dying = type("Dying", (), {})()
+    reference = weakref.ref(dying, lambda _: signal.raise_signal(signal.SIGINT))
+    del dying
+    assert reference() is None
+
+
+@pytest.mark.parametrize(
+    "interrupted", [Finalized, Holder, from_compiled_code, as_a_reference_dies]
+)
+def test_ctrl_c_where_no_exception_gets_out_ends_a_command_all_the_same(
+    crossing: Path, run: Run, monkeypatch: pytest.MonkeyPatch, interrupted: Callable[[], object]
+) -> None:
+    hook, profiler = sys.unraisablehook, sys.getprofile()
+    read = loading.read_scenario
+
+    def reading(*given: object) -> object:
+        interrupted()
+        sys.stdout.write("the command went on\n")
+        return read(*given)  # type: ignore[arg-type] # as given
+
+    monkeypatch.setattr(loading, "read_scenario", reading)
+    result = run("check", crossing)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert assert_one_line(result.stderr) == "radmpc: interrupted"
+    assert (sys.unraisablehook, sys.getprofile()) == (hook, profiler)
+
+
+def test_other_errors_where_no_exception_gets_out_are_told_as_usual(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda swallowed: told.append(swallowed.exc_type))
+    with repeat_swallowed_interrupts():
+        ctypes.CFUNCTYPE(None)(lambda: int("x"))()
+    assert told == [ValueError]

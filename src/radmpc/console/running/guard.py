@@ -13,7 +13,10 @@ import typer
 from typer.core import TyperGroup
 
 from radmpc.console.output import note, silence_closed_pipe
-from radmpc.console.running.interrupt import interrupt_on_termination
+from radmpc.console.running.interrupt import (
+    interrupt_on_termination,
+    repeat_swallowed_interrupts,
+)
 from radmpc.console.running.usage import usage_line
 from radmpc.errors import FileFormatError, NoPlanError, RadmpcError, SolverError
 
@@ -80,7 +83,7 @@ class GuardedCommands(TyperGroup):
                 words, prog_name, complete_var, False, windows_expand_args, **extra
             )
 
-        with silence_closed_pipe(), interrupt_on_termination():
+        with silence_closed_pipe(), interrupt_on_termination(), repeat_swallowed_interrupts():
             code = _guarded(run, is_debug)
         if standalone_mode:
             sys.exit(code)

@@ -5,12 +5,17 @@ from __future__ import annotations
 import itertools
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import TYPE_CHECKING
 
-__all__ = ["interrupt_on_termination", "stop_on_interrupt"]
+if TYPE_CHECKING:
+    from sys import UnraisableHookArgs
+
+__all__ = ["interrupt_on_termination", "repeat_swallowed_interrupts", "stop_on_interrupt"]
 
 
 @contextmanager
@@ -69,3 +74,34 @@ def interrupt_on_termination() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, previous)
+
+
+@contextmanager
+def repeat_swallowed_interrupts() -> Iterator[None]:
+    """Raise `KeyboardInterrupt` again after code that can pass no exception on, as finalizers.
+
+    Python would print it with a traceback and go on: finalizers, and compiled code that calls
+    Python where it cannot fail.
+    """
+    usual = sys.unraisablehook
+
+    def hook(swallowed: UnraisableHookArgs) -> None:
+        is_main = threading.current_thread() is threading.main_thread()
+        if is_main and issubclass(swallowed.exc_type, KeyboardInterrupt):
+            # Raised here it would be swallowed as well. Python asks a profiler at the next call or
+            # return, and one that raises does so there; if that is swallowed, too, it comes back.
+            sys.setprofile(repeat)
+        else:
+            usual(swallowed)
+
+    def repeat(frame: FrameType, event: str, argument: object) -> None:
+        del event, argument
+        if frame.f_code is not hook.__code__:
+            sys.setprofile(None)
+            raise KeyboardInterrupt
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = usual

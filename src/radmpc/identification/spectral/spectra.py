@@ -99,11 +99,10 @@ def spectra(pieces: Sequence[Matrix], sources: Sequence[Source]) -> Spectra:
         waves = np.fft.fft(np.array(blocks) * taper[:, None], axis=1)[:, order]
         power = np.einsum("bki,bkj->kij", waves, waves.conj()) / len(blocks)
         starts = _bands(order)
-        sizes = np.diff(np.append(starts, len(order)))[:, None, None]
-        expected = np.concatenate([_basis(order, one, taper) for one in sources])
-        powers.append(np.add.reduceat(power, starts, axis=0) / sizes)
-        basis.append(np.add.reduceat(expected, starts, axis=1) / sizes)
-        weights.append(sizes[:, 0, 0] * float(len(blocks)))
+        sizes = np.diff(np.append(starts, len(order)))
+        powers.append(np.add.reduceat(power, starts, axis=0) / sizes[:, None, None])
+        basis.append(np.concatenate([_basis(order, starts, one, taper) for one in sources]))
+        weights.append(sizes * float(len(blocks)))
         losses.append(length * float(np.sum(taper**4)))
     loss = float(np.average(losses, weights=[float(weight.sum()) for weight in weights]))
     floor = _ROUNDING * np.eye(pieces[0].shape[1], dtype=np.complex128)
@@ -136,19 +135,21 @@ def _bands(order: Indices) -> list[int]:
         starts.append(end)
 
 
-def _basis(order: Indices, source: Source, taper: Vector) -> Complex:
-    """Return the expected powers at frequencies of unit covariances, (m, K, n, n)."""
+def _basis(order: Indices, starts: list[int], source: Source, taper: Vector) -> Complex:
+    """Return the expected mean powers in bands of unit covariances, (m, K, n, n)."""
     units, before, after, color = source
     length, begun = len(taper), before @ units @ before.T
+    sizes = np.diff(np.append(starts, len(order)))
     if color != 0.0:
         # Samples so many steps apart count by how alike they are; what wraps around is folded.
         spectrum = np.fft.rfft(taper, 2 * length)
         alike = np.fft.irfft(np.abs(spectrum) ** 2)[:length] * color ** np.arange(length)
         power = (2.0 * np.fft.fft(alike).real - alike[0])[order]
-        return np.asarray(power[:, None, None] * begun[:, None], dtype=np.complex128)
+        mean = np.add.reduceat(power, starts) / sizes
+        return np.asarray(mean[:, None, None] * begun[:, None], dtype=np.complex128)
     # A sample of the measurement counts by the weights of both steps that it is part of.
     both = float(np.sum(taper[1:] * taper[:-1]))
-    turn = both * np.exp(2j * np.pi * order / length)[:, None, None]
-    across = turn * (after @ units @ before.T)[:, None]
+    turn = np.add.reduceat(both * np.exp(2j * np.pi * order / length), starts) / sizes
+    across = turn[:, None, None] * (after @ units @ before.T)[:, None]
     steady = (begun + after @ units @ after.T)[:, None]
     return np.asarray(steady + across + across.conj().transpose(0, 1, 3, 2))
