@@ -123,3 +123,14 @@ def test_controls_that_saturate_are_an_alarm_and_are_cut_off() -> None:
     tick = mission.step([tight.start + np.array([1.0, 0.0])])
     assert tick.controls[0] == pytest.approx([-0.1, 0.0])
     assert any("its control saturates by 0.4" in alarm for alarm in tick.alarms)
+
+
+def test_controls_of_tiny_limits_that_saturate_are_an_alarm_too() -> None:
+    scenario = beside_a_wall()
+    (vehicle,) = scenario.vehicles
+    tight = replace(vehicle, control_limit=1e-8, gain=-5e-8 * np.eye(2), control_sigmas=0.0)
+    scenario = replace(scenario, vehicles=(tight,))
+    mission = Mission(leg_of(scenario, [np.zeros((10, 2))], 0).plan, planner=None)
+    tick = mission.step([tight.start + np.array([1.0, 0.0])])
+    assert tick.controls[0] == pytest.approx([-1e-8, 0.0], abs=1e-14)
+    assert any("its control saturates by 4e-08" in alarm for alarm in tick.alarms)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -10,12 +10,14 @@ from radmpc.arrays import Vector
 from radmpc.flying.leg import Leg
 from radmpc.flying.tick import Segment, segments
 from radmpc.model.limits import within_limits
+from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass
 
-__all__ = ["SATURATED", "Commands", "commanded"]
+__all__ = ["Commands", "commanded", "let_pass"]
 
-SATURATED = 1e-6
-"""By how much feedback asks for more control than there is where that is an alarm [m/s²]."""
+_SATURATED = 1e-6
+"""By how much feedback asks for more control than there is where that is an alarm: a share of
+limits below one [-], and so much of larger ones [m/s²]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +34,17 @@ class Commands:
 
     segments: tuple[Segment, ...]
     expected: tuple[Vector, ...]
+
+
+def let_pass(vehicles: Iterable[Vehicle]) -> float:
+    """Return by how much feedback may ask for more control than there is without an alarm.
+
+    Parameters
+    ----------
+    vehicles : iterable of Vehicle
+        Of the least of their limits.
+    """
+    return _SATURATED * min(1.0, *(float(v.control_limit.min()) for v in vehicles))
 
 
 def commanded(leg: Leg, step: int, states: Sequence[Vector], alarms: list[str]) -> Commands:
@@ -55,7 +68,7 @@ def commanded(leg: Leg, step: int, states: Sequence[Vector], alarms: list[str]) 
     for vehicle, control in zip(scenario.vehicles, leg.controls(step, states), strict=True):
         held = within_limits(vehicle, control)
         excess = float(np.abs(control - held).max())
-        if excess > SATURATED:
+        if excess > let_pass([vehicle]):
             alarms.append(f"vehicle {vehicle.name!r}: its control saturates by {excess:.3g}")
         flown.append(held)
     expected = leg.expected(step, states, flown)

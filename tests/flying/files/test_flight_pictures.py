@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,9 @@ from radmpc.plotting.flight.film import make_flight_film
 
 KEPT = FlightSettings(replan=None, missions=3, seed=1)
 
+
+ROOM = [-3.0, -6.0], [12.0, 6.0]
+"""Corners of a workspace in the plane, as high as leaves the account a little less than an inch."""
 
 DIMENSIONS = [pytest.param(2, id="plane"), pytest.param(3, id="space", marks=pytest.mark.nightly)]
 
@@ -62,6 +66,24 @@ def test_a_single_mission_is_told_of_as_one_of_many(record: FlightRecord) -> Non
     axes = radmpc.plot_flight(one)
     facts = next(t.get_text() for t in axes.figure.texts if t.get_gid() == "facts")
     assert facts.endswith("0 of 1 missions hit something")
+
+
+@pytest.mark.parametrize("largest", [0.099, 0.2])
+def test_the_label_of_the_account_is_within_the_picture_as_it_is_written(
+    record: FlightRecord, tmp_path: Path, largest: float
+) -> None:
+    rows = tuple(replace(row, wealth=largest) for row in record.rows)
+    room = radmpc.Workspace(*(np.resize(c, record.plan.scenario.dimension) for c in ROOM))
+    scenario = replace(record.plan.scenario, risk_bound=0.05, workspace=room)
+    plan = replace(record.plan, scenario=scenario)
+    settings = replace(record.settings, replan="certified")
+    axes = radmpc.plot_flight(replace(record, plan=plan, settings=settings, rows=rows))
+    axes.figure.savefig(tmp_path / "flight.png")
+    account = axes.figure.axes[1]
+    assert account.yaxis.label.get_window_extent().x0 >= 0.0
+    low, high = account.get_ylim()
+    assert low == 0.0
+    assert 3 <= sum(tick <= high for tick in account.get_yticks()) <= 6
 
 
 def test_discs_of_what_is_to_come_shrink_as_a_film_goes_on(record: FlightRecord) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from radmpc.arrays import Vector
 from radmpc.errors import RadmpcError, RiskError
 from radmpc.flying.account import Account
-from radmpc.flying.commanding import SATURATED
+from radmpc.flying.commanding import let_pass
 from radmpc.flying.deciding import opened
 from radmpc.flying.knowing import best_of, expected_start, starting
 from radmpc.flying.leg import Leg, leg_of
@@ -34,7 +34,8 @@ _TOLERANCE = 1e-6
 """Share [-] by which numbers may differ from those stated: other processors round otherwise."""
 
 _LEAST = 1e-9
-"""Probability [-], and difference of controls, up to which they may differ anyway."""
+"""Probability [-] up to which they may differ anyway; of controls as much, or as large a share of
+limits below one."""
 
 
 @dataclass(slots=True, eq=False)
@@ -217,18 +218,19 @@ def _flown(
     asked = state.leg.controls(row.step, known)
     held = [within_limits(v, u) for u, v in zip(asked, scenario.vehicles, strict=True)]
     for vehicle, due, stated in zip(scenario.vehicles, held, row.controls, strict=True):
+        rounding = _LEAST * min(1.0, float(vehicle.control_limit.min()))
         if float(np.abs(due - stated).max(initial=0.0)) > max(
-            _LEAST, _TOLERANCE * np.abs(due).max()
+            rounding, _TOLERANCE * np.abs(due).max()
         ):
             state.problems.append(
                 f"{where}: vehicle {vehicle.name!r}: flew {stated.tolist()}, the leg says "
                 f"{due.tolist()}"
             )
-    pairs = zip(asked, held, strict=True)
-    excesses = [float(np.abs(control - due).max()) for control, due in pairs]
+    excesses = [float(np.abs(u - due).max()) for u, due in zip(asked, held, strict=True)]
+    pairs = zip(scenario.vehicles, excesses, strict=True)
     _compare(state, where, {"saturation": (row.excess, max(excesses))})
     state.expected = state.leg.expected(row.step, known, row.controls)
-    return row.controls, sum(excess > SATURATED for excess in excesses)
+    return row.controls, sum(excess > let_pass([v]) for v, excess in pairs)
 
 
 def _compare(

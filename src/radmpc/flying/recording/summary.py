@@ -6,7 +6,7 @@ import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.flying.candidates.times import CUT_OFF
-from radmpc.flying.commanding import SATURATED
+from radmpc.flying.commanding import let_pass
 from radmpc.flying.deciding import opened
 from radmpc.io.flight.record import FlightRecord, FlownMission, TickRow
 from radmpc.model.scenario import Scenario
@@ -112,7 +112,7 @@ def summary_of(record: FlightRecord) -> FlightSummary:
     misses = [miss_of(scenario, row) for row in (mission.rows[-1] for mission in missions)]
     told = [miss for miss in misses if miss is not None]
     return FlightSummary(
-        flown=_counted(missions) if missions else None,
+        flown=_counted(scenario, missions) if missions else None,
         asked=record.settings.missions,
         bound=scenario.risk_bound,
         certified=opened(record.plan, 0)[0].price,
@@ -181,10 +181,11 @@ def _outside(lower: Vector, upper: Vector, place: Vector) -> Vector:
     return np.asarray(np.maximum(np.maximum(lower - place, place - upper), 0.0))
 
 
-def _counted(missions: list[FlownMission]) -> Simulation:
+def _counted(scenario: Scenario, missions: list[FlownMission]) -> Simulation:
     """Return missions as samples."""
     causes = [{touch.cause for touch in mission.contacts} for mission in missions]
-    saturated = sum(any(row.excess > SATURATED for row in mission.rows) for mission in missions)
+    least = let_pass(scenario.vehicles)
+    saturated = sum(any(row.excess > least for row in mission.rows) for mission in missions)
     return Simulation(
         samples=len(missions),
         collisions=sum(bool(found) for found in causes),

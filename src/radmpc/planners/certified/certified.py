@@ -38,6 +38,7 @@ from radmpc.planners.certified.state.timed_judge import TimedJudge
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
+from radmpc.planners.units.planned import planned_in_units
 from radmpc.planners.within_norms import models_within_norms
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
@@ -102,6 +103,21 @@ class Certified(Decomposition):
         Draft
             With a lower bound on the cost, and the shadow price of Δ, where there is a plan.
         """
+
+        def there(other: Scenario, asked: Run) -> Draft:
+            return self._plan(other, planner, asked)
+
+        def why_not() -> str | None:
+            answer = sure_why_not(scenario, models_within_norms(scenario), run.limits)
+            return None if answer is None else answer.explanation
+
+        told = planned_in_units(scenario, run, there, why_not)
+        if told is not None:
+            return told
+        return self._plan(scenario, planner, run)
+
+    def _plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
+        """Plan a fleet in the units that it is in."""
         begun, judge = time.perf_counter(), TimedJudge(run.judge, scenario.risk_bound)
         run = replace(run, judge=judge)
         models = models_within_norms(scenario)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 from radmpc.errors import ArgumentError
@@ -138,6 +139,10 @@ def _settle_account(ax: Axes, record: FlightRecord) -> None:
     largest = max([scenario.risk_bound, *(row.wealth for row in record.rows)])
     ax.set_xlim(0.0, scenario.horizon * scenario.dt)
     ax.set_ylim(0.0, 1.12 * largest)
+    # Else a layout is made for the ticks of another height, and may cut off the label beside them.
+    locator = MaxNLocator(nbins=5, steps=[1, 2, 2.5, 5, 10])
+    ticks = np.asarray(locator.tick_values(0.0, 1.12 * largest))
+    ax.set_yticks(ticks[ticks <= 1.12 * largest])
     ax.set_xlabel("time [s]", fontsize=LABEL_SIZE, labelpad=1.0)
     ax.set_ylabel("risk [-]", fontsize=LABEL_SIZE, labelpad=1.0)
     ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
