@@ -185,7 +185,7 @@ def test_vehicles_below_a_common_namespace_are_told_apart(tmp_path: Path) -> Non
     tracks = fly(Truth(steps=60, vehicles=3), 3)
     messages = [one for track in tracks for one in poses(track, f"mocap/{track.name}")]
     found = read_logs([written(tmp_path / "bag", messages)])
-    assert [track.name for track in found.tracks] == ["mocap/v1", "mocap/v2", "mocap/v3"]
+    assert [track.name for track in found.tracks] == ["v1", "v2", "v3"]
     for read, track in zip(found.tracks, tracks, strict=True):
         np.testing.assert_allclose(read.positions, track.positions)
         np.testing.assert_allclose(read.velocities, track.velocities)
@@ -193,6 +193,13 @@ def test_vehicles_below_a_common_namespace_are_told_apart(tmp_path: Path) -> Non
         f"{tmp_path / 'bag'}: below mocap, v1/pose, v2/pose, v3/pose move apart: taken for "
         "vehicles of their own",
     )
+
+
+def test_vehicles_below_two_namespaces_keep_both_parts_of_their_names(tmp_path: Path) -> None:
+    tracks = fly(Truth(steps=60, vehicles=2), 3)
+    messages = [one for track in tracks for one in poses(track, f"mocap/{track.name}")]
+    found = read_logs([written(tmp_path / "bag", [*messages, *flown(tracks[0])])])
+    assert [track.name for track in found.tracks] == ["mocap/v1", "v2", "v1"]
 
 
 def test_sensors_of_one_vehicle_stay_together(tmp_path: Path) -> None:

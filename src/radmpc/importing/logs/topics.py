@@ -15,7 +15,7 @@ __all__ = ["is_reference", "vehicles_of"]
 _REFERENCE = ("ref", "setpoint", "target", "desired", "goal", "cmd", "command")
 """Words in a topic's last parts that make it say where the vehicle is to be."""
 
-_APART = 0.5
+_APART = 0.2
 """Share [-] of what two topics' places move that the way between them must vary by before they
 are not of one vehicle: sensors of one differ by an offset and their noise."""
 
@@ -45,6 +45,7 @@ def vehicles_of(
         space, leaf = _split(topic)
         spaces.setdefault(space, {})[leaf, kind] = one
     vehicles: dict[str, Leaves] = {}
+    owners: dict[str, str] = {}
     for space, leaves in spaces.items():
         apart = _moving_apart(leaves)
         if not apart:
@@ -56,7 +57,9 @@ def vehicles_of(
         )
         for (leaf, kind), one in leaves.items():
             inner, rest = _split(leaf)
-            name = f"{space}/{inner}" if inner else space
+            name = inner or space
+            if name != space and (name in spaces or owners.setdefault(name, space) != space):
+                name = f"{space}/{inner}"
             vehicles.setdefault(name, {})[rest, kind] = one
     return vehicles
 
