@@ -84,12 +84,12 @@ TURNED = [place(*c) for c in [(0, 0), (0.1, 0.1), (0.1, 0), (0, 0.1), (0, 0)]]
             r"\d+: features\[0\].geometry.coordinates\[0\]: must be a list of at least one entry",
         ),
         (
-            change(0, "geometry", "type", to="MultiPoint"),
-            r"\d+: features\[0\].geometry.type: must be 'Point', .* or 'MultiPolygon', got 'Mul",
+            change(0, "geometry", "type", to="GeometryCollection"),
+            r"\d+: features\[0\].geometry.type: must be 'Point', .* or 'MultiPolygon', got 'Geo",
         ),
         (
-            change(0, "geometry", to=None),
-            r"\d+: features\[0\].geometry: must be a mapping, got null",
+            change(0, "geometry", to=[]),
+            r"\d+: features\[0\].geometry: must be a mapping, got \[\]",
         ),
         (
             change(0, "properties", to=[1]),

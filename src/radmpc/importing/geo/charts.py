@@ -96,6 +96,7 @@ def read_charts(documents: Sequence[Document], layer: Sequence[str] = ()) -> For
         format=" + ".join(dict.fromkeys(kind.name for kind in kinds)),
         file=", ".join(FilePath(document.name).name for document in documents),
         reasons=(*told, *layers.notes(), *problem.reasons),
+        warnings=(*layers.warnings(), *problem.warnings),
     )
 
 

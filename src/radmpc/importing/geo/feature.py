@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import TypeGuard
 
 import shapely
 
@@ -15,7 +16,7 @@ from radmpc.io.text.files import shown
 from radmpc.ranges import check_range
 from radmpc.records import dataclass
 
-__all__ = ["Feature", "Path", "drawn_line", "drawn_ring", "read_position"]
+__all__ = ["Feature", "Path", "drawn_line", "drawn_ring", "is_whole", "read_position"]
 
 Path = tuple[str | int, ...]
 
@@ -83,6 +84,10 @@ class Feature:
         if role is None:
             role = self._role_by_name()
         role = role.lower()
+        if role == "path" and self.kind == "LineString":
+            raise ScenarioError(
+                "is a path of a plan: paths are not imported", (*self.properties_path, key)
+            )
         if role not in allowed:
             got = f"got {shown(role)}" if role else "or a name like 'start alpha', got neither"
             raise ScenarioError(
@@ -156,13 +161,20 @@ class Feature:
     def _text(self, key: str) -> str | None:
         """Return a property as text, None where it is missing or empty."""
         value = self.properties.get(key)
-        if isinstance(value, int) and not isinstance(value, bool):
-            return str(value)
+        if is_whole(value):
+            return str(int(value))
         if value is None or (isinstance(value, str) and not value.strip()):
             return None
         if not isinstance(value, str) or not value.isprintable():
             raise ScenarioError(f"must be text, got {shown(value)}", (*self.properties_path, key))
         return value.strip()
+
+
+def is_whole(value: object) -> TypeGuard[int | float]:
+    """Whether a value is a whole number, which may be a name; tables make some of them decimal."""
+    if isinstance(value, float):
+        return value.is_integer()
+    return isinstance(value, int) and not isinstance(value, bool)
 
 
 def read_position(value: object, path: Path) -> list[float]:

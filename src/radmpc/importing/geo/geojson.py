@@ -10,6 +10,7 @@ from radmpc.arrays import as_matrix
 from radmpc.errors import ScenarioError
 from radmpc.importing.geo.feature import Feature, Path, drawn_line, drawn_ring, read_position
 from radmpc.importing.geo.layers import Layers
+from radmpc.importing.geo.properties import stated
 from radmpc.importing.geo.rejoining import rejoined
 from radmpc.io.text.document import Document
 from radmpc.io.text.files import read_text, shown
@@ -17,7 +18,7 @@ from radmpc.io.text.json_text import read_json
 
 __all__ = ["geojson_document", "geojson_features", "is_geojson"]
 
-_SHAPES = ("Point", "LineString", "MultiLineString", "Polygon", "MultiPolygon")
+_SHAPES = ("Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon")
 _TYPES = ("FeatureCollection", "Feature", "GeometryCollection", *_SHAPES)
 _WGS84 = ("CRS84", "EPSG::4326", "EPSG:4326")
 
@@ -68,25 +69,48 @@ def geojson_features(document: Document, layers: Layers, file: str) -> Iterator[
     if not isinstance(features, list):
         raise ScenarioError(f"must be a list, got {shown(features)}", ("features",))
     outer = [name for name in (file, value.get("name")) if isinstance(name, str) and name]
-    for i, entry in enumerate(features):
+    for i, given in enumerate(features):
+        entry = _checked(given, ("features", i))
         properties = _properties(entry, ("features", i))
         inner = properties.get("layer")
         names = [*outer, inner] if isinstance(inner, str) and inner else outer
-        if layers.takes(names):
+        if not layers.takes(names):
+            continue
+        if _is_placeless(entry, ("features", i)):
+            layers.placeless.append(_title(properties, i))
+        else:
             for feature in rejoined(_features(entry, properties, ("features", i))):
                 yield replace(feature, usual_role=layers.role(names))
 
 
-def _properties(entry: object, path: Path) -> Mapping[str, object]:
-    """Return the properties of a feature, none if it has none."""
+def _is_placeless(entry: Mapping[str, object], path: Path) -> bool:
+    """Whether a feature has no place: RFC 7946 wants its geometry to be null."""
+    if "geometry" not in entry:
+        raise ScenarioError("is required, null where there is none", (*path, "geometry"))
+    return entry["geometry"] is None
+
+
+def _title(properties: Mapping[str, object], index: int) -> str:
+    """Return what a feature is called in a note: its name, or its place in the file."""
+    name = properties.get("name")
+    return shown(name) if isinstance(name, str) else f"features[{index}]"
+
+
+def _checked(entry: object, path: Path) -> Mapping[str, object]:
+    """Return what is a feature."""
     if not isinstance(entry, Mapping) or entry.get("type") != "Feature":
         raise ScenarioError("must be a mapping with type 'Feature'", path)
+    return entry
+
+
+def _properties(entry: Mapping[str, object], path: Path) -> Mapping[str, object]:
+    """Return the properties of a feature, none if it has none."""
     properties = entry.get("properties")
     if properties is None:
         properties = {}
     if not isinstance(properties, Mapping):
         raise ScenarioError(f"must be a mapping, got {shown(properties)}", (*path, "properties"))
-    return properties
+    return stated(properties)
 
 
 def _features(
@@ -104,14 +128,14 @@ def _features(
         raise ScenarioError(
             f"must be {', '.join(first)} or {last}, got {shown(kind)}", (*inner, "type")
         )
-    if kind == "Point":
-        rings = (as_matrix([read_position(coordinates, where)]),)
-        yield Feature("Point", rings, properties, path, where, (*path, "properties"))
-        return
     parts = [(coordinates, where)]
-    if kind in {"MultiPolygon", "MultiLineString"}:
+    if str(kind).startswith("Multi"):
         parts = [(part, (*where, i)) for i, part in enumerate(_list(coordinates, where))]
     for part, place in parts:
+        if kind in {"Point", "MultiPoint"}:
+            rings = (as_matrix([read_position(part, place)]),)
+            yield Feature("Point", rings, properties, path, place, (*path, "properties"))
+            continue
         if kind in {"LineString", "MultiLineString"}:
             line = drawn_line(_list(part, place), place)
             yield Feature("LineString", (line,), properties, path, place, (*path, "properties"))

@@ -11,9 +11,10 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.importing.geo.feature import Feature, Path, drawn_line, drawn_ring, read_position
 from radmpc.importing.geo.kml_xml import Placemark, Shape, read_placemarks
 from radmpc.importing.geo.layers import Layers
+from radmpc.importing.geo.properties import stated
 from radmpc.importing.geo.rejoining import rejoined
 from radmpc.io.text.document import Document
-from radmpc.io.text.files import one_line, read_text
+from radmpc.io.text.files import one_line, read_text, shown
 from radmpc.io.text.lines import Place
 
 __all__ = ["is_kml", "kml_document", "kml_features", "kmz_refusal"]
@@ -67,17 +68,23 @@ def kml_features(document: Document, layers: Layers, file: str) -> Iterator[Feat
     placemarks = document.value if isinstance(document.value, tuple) else ()
     for i, placemark in enumerate(placemarks):
         names = (file, *placemark.layers)
-        if layers.takes(names):
+        if not layers.takes(names):
+            continue
+        if not placemark.shapes:
+            name = placemark.properties.get("name")
+            layers.placeless.append(shown(name) if name else f"Placemark {i + 1}")
+        else:
             for feature in rejoined(_features(placemark, ("Placemark", i))):
                 yield replace(feature, usual_role=layers.role(names))
 
 
 def _features(placemark: Placemark, path: Path) -> Iterator[Feature]:
     """Yield the points, lines and polygons of one Placemark."""
+    properties = stated(placemark.properties)
     for i, shape in enumerate(placemark.shapes):
         where = (*path, f"{shape.kind} {i + 1}")
         rings = _RINGS[shape.kind](shape, where)
-        yield Feature(shape.kind, rings, placemark.properties, path, where, path)
+        yield Feature(shape.kind, rings, properties, path, where, path)
 
 
 def _point(shape: Shape, path: Path) -> tuple[Matrix, ...]:

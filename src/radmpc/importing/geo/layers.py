@@ -12,8 +12,8 @@ from radmpc.wording import count_text
 
 __all__ = ["Layers"]
 
-_MOST_NAMED = 8
-"""Layers that a message lists."""
+_MOST_NAMED, _MOST_SKIPPED = 8, 5
+"""Layers, and features without geometry, that a message lists."""
 
 
 @dataclass(slots=True, eq=False)
@@ -28,11 +28,14 @@ class Layers:
         Every layer that was met, in the order of the files.
     left_out : int
         Features in none of the layers that are wanted.
+    placeless : list of str
+        Names of features that are taken and have no geometry.
     """
 
     requested: dict[str, str | None]
     met: dict[str, None] = field(default_factory=dict)
     left_out: int = 0
+    placeless: list[str] = field(default_factory=list)
 
     @classmethod
     def asked(cls, words: Sequence[str]) -> Layers:
@@ -100,3 +103,11 @@ class Layers:
         counted = count_text(self.left_out, "feature")
         rest = f"; left out: {counted} of others" if self.left_out else ""
         return (("layers", f"{', '.join(names)}, as asked{rest}"),)
+
+    def warnings(self) -> tuple[str, ...]:
+        """Return which features are skipped as they have no geometry; nothing if all have."""
+        if not self.placeless:
+            return ()
+        hidden = len(self.placeless) - _MOST_SKIPPED
+        more = f" and {hidden} more" if hidden > 0 else ""
+        return (f"without geometry, skipped: {', '.join(self.placeless[:_MOST_SKIPPED])}{more}",)

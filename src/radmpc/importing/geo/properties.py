@@ -6,7 +6,7 @@ import difflib
 import re
 from collections.abc import Iterable, Mapping
 
-__all__ = ["OBSTACLES", "SETTINGS", "unknown_properties"]
+__all__ = ["OBSTACLES", "SETTINGS", "stated", "unknown_properties"]
 
 SETTINGS: Mapping[str, tuple[str, str]] = {
     "radius": ("radius", "m"),
@@ -41,6 +41,21 @@ _STYLES = re.compile(
     r"altitudemode|draworder|created.*|updated.*|area|length|perimeter",
     re.IGNORECASE,
 )
+
+
+def stated(properties: Mapping[str, object]) -> Mapping[str, object]:
+    """Return the properties that say something: tables give all features all columns.
+
+    Parameters
+    ----------
+    properties : mapping
+        Of a feature; null and blank where it has none.
+    """
+    return {
+        key: value
+        for key, value in properties.items()
+        if value is not None and not (isinstance(value, str) and not value.strip())
+    }
 
 
 def unknown_properties(keys: Iterable[str]) -> list[str]:

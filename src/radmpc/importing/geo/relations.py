@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from radmpc.errors import ScenarioError
-from radmpc.importing.geo.feature import Feature, Path
+from radmpc.importing.geo.feature import Feature, Path, is_whole
 from radmpc.io.text.files import shown
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.relations.concerns import all_but, only_for
@@ -146,7 +146,7 @@ def _words(feature: Feature, key: str) -> list[str]:
     parts: list[object] = list(value) if isinstance(value, list) else [value]
     if isinstance(value, str):
         parts = [part.strip() for part in value.split(",")]
-    words = [str(part) if _is_whole(part) else part for part in parts]
+    words = [str(int(part)) if is_whole(part) else part for part in parts]
     for word in words:
         if not isinstance(word, str) or not word.strip() or not word.isprintable():
             raise ScenarioError(
@@ -154,11 +154,6 @@ def _words(feature: Feature, key: str) -> list[str]:
                 (*feature.properties_path, key),
             )
     return [str(word).strip() for word in words]
-
-
-def _is_whole(value: object) -> bool:
-    """Whether a value is a whole number, which may be a vehicle's name."""
-    return isinstance(value, int) and not isinstance(value, bool)
 
 
 def _names(feature: Feature, key: str, vehicles: Collection[str] | None) -> list[str]:

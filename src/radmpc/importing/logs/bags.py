@@ -7,8 +7,10 @@ from pathlib import Path
 
 from radmpc.errors import FileFormatError
 from radmpc.importing.logs.flight_log import read_flight_log
+from radmpc.importing.logs.mcap_file import open_mcap
 from radmpc.importing.logs.recording import Recording, extra, refusal
-from radmpc.importing.logs.ros import TYPES, Message, tracks_of
+from radmpc.importing.logs.ros import tracks_of
+from radmpc.importing.logs.series import TYPES, Message
 
 __all__ = ["read_bag", "read_mcap"]
 
@@ -40,17 +42,12 @@ def read_mcap(path: Path) -> Recording:
 
 def _mcap_messages(path: Path) -> Iterator[Message]:
     """Return an MCAP file's messages that are read here."""
-    reading, decoding = extra("mcap.reader", path), extra("mcap_ros2.decoder", path)
+    decoding = extra("mcap_ros2.decoder", path)
     with path.open("rb") as file:
-        reader = reading.make_reader(file, decoder_factories=[decoding.DecoderFactory()])
-        summary = reader.get_summary()
-        topics = None
-        if summary is not None and summary.channels:
-            kinds = {key: schema.name for key, schema in summary.schemas.items()}
-            channels = summary.channels.values()
-            topics = [c.topic for c in channels if kinds.get(c.schema_id) in TYPES]
-            if not topics:
-                return
+        reader, kinds = open_mcap(path, file, [decoding.DecoderFactory()])
+        topics = [topic for topic, kind in kinds.items() if kind in TYPES]
+        if not topics:
+            return
         for schema, channel, message, content in reader.iter_decoded_messages(topics=topics):
             if schema.name in TYPES:
                 yield Message(channel.topic, schema.name, message.log_time, content)

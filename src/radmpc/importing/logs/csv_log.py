@@ -102,7 +102,7 @@ def read_csv(path: Path, columns: Mapping[str, str]) -> Recording:
     blank = text.rfind("\n", 0, blank) + 1
     head = text[blank:].splitlines()[0]
     delimiter = max(",;\t", key=head.count)
-    rows = list(csv.reader(StringIO(text[blank:]), delimiter=delimiter))
+    rows = _rows(path, text[blank:], delimiter, text.count("\n", 0, blank))
     header = _header(path, rows[0])
     places = _places(path, header, columns)
     begin = text.count("\n", 0, blank) + 2
@@ -116,6 +116,15 @@ def read_csv(path: Path, columns: Mapping[str, str]) -> Recording:
         for name in dict.fromkeys(vehicles)
     )
     return Recording(tracks, warnings)
+
+
+def _rows(path: Path, text: str, delimiter: str, begin: int) -> list[list[str]]:
+    """Return the cells of all rows, whatever ends the lines."""
+    reader = csv.reader(StringIO(text, newline=None), delimiter=delimiter)
+    try:
+        return list(reader)
+    except csv.Error as error:
+        raise refusal(path, f"line {begin + reader.line_num}: {error}") from error
 
 
 def _header(path: Path, cells: Sequence[str]) -> list[str]:

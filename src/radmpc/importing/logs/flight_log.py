@@ -9,7 +9,8 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.identification.track import Track
-from radmpc.importing.logs.recording import Recording, extra
+from radmpc.importing.logs.mcap_file import open_mcap
+from radmpc.importing.logs.recording import Recording
 from radmpc.io.flight.mcap_log import STATE_SCHEMA
 
 __all__ = ["read_flight_log"]
@@ -33,18 +34,14 @@ def read_flight_log(path: Path) -> Recording | None:
     Raises
     ------
     FileFormatError
-        If the library is missing.
+        If the library is missing, or the file's end.
     """
-    reading = extra("mcap.reader", path)
     found: dict[tuple[str, int], tuple[list[float], list[Message]]] = {}
     with path.open("rb") as file:
-        reader = reading.make_reader(file)
-        summary = reader.get_summary()
-        kinds = {} if summary is None else summary.schemas
-        if not any(kind.name == STATE_SCHEMA for kind in kinds.values()):
+        reader, kinds = open_mcap(path, file)
+        topics = [topic for topic, kind in kinds.items() if kind == STATE_SCHEMA]
+        if not topics:
             return None
-        channels = summary.channels.values()
-        topics = [c.topic for c in channels if kinds[c.schema_id].name == STATE_SCHEMA]
         for _, _, message in reader.iter_messages(topics=topics):
             content = json.loads(message.data)
             key = (str(content["vehicle"]), int(content["mission"]))

@@ -56,7 +56,7 @@ def read_logs(
     files = [_checked(path) for path in paths]
     if columns and not any(path.suffix.lower() in _TABLES for path in files):
         raise ScenarioError("is for CSV, and no log is", ("columns",))
-    for path in files:
+    for path in _once(files, warnings):
         found = _read(path, columns or {})
         tracks += found.tracks
         warnings += found.warnings
@@ -67,6 +67,33 @@ def _checked(path: str | os.PathLike[str]) -> Path:
     """Return a path that is one."""
     check_path(path)
     return Path(path)
+
+
+def _once(files: Sequence[Path], warnings: list[str]) -> list[Path]:
+    """Return files without those of a bag that another of them stands for: they count once."""
+    kept: list[Path] = []
+    bags: dict[Path, Path] = {}
+    folders = {_bag(path) for path in files} - {None}
+    for path in files:
+        bag = _bag(path)
+        if bag is None and path.suffix.lower() == ".mcap" and path.resolve().parent in folders:
+            bag = path.resolve().parent
+        if bag is None:
+            kept.append(path)
+        elif bag in bags:
+            warnings.append(f"{path}: is of the same bag as {bags[bag]}, and is read with it")
+        else:
+            bags[bag] = path
+            kept.append(path if path.is_dir() or path.suffix == ".db3" else bag)
+    return kept
+
+
+def _bag(path: Path) -> Path | None:
+    """Return the folder of the bag that a log stands for; None where it stands for itself."""
+    whole = path.resolve()
+    if path.is_dir():
+        return whole
+    return whole.parent if path.suffix.lower() == ".db3" else None
 
 
 def _read(path: Path, columns: Mapping[str, str]) -> Recording:

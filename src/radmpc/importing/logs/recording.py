@@ -7,6 +7,7 @@ from pathlib import Path
 from types import ModuleType
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import FileFormatError
@@ -14,10 +15,24 @@ from radmpc.identification.track import Track
 from radmpc.io.text.files import one_line
 from radmpc.records import dataclass
 
-__all__ = ["Recording", "clock_of", "extra", "flat", "held", "interpolated", "refusal"]
+__all__ = [
+    "EPOCH",
+    "Recording",
+    "clock_of",
+    "extra",
+    "flat",
+    "held",
+    "in_silence",
+    "interpolated",
+    "refusal",
+]
 
-_EPOCH = 1e8
+EPOCH = 1e8
 """Times beyond it count from 1970 [s]: nothing else is on for three years."""
+
+_SILENCE = 5.0
+"""Median periods [-] without a sample from which on a topic is silent: values in between are not
+known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +97,7 @@ def clock_of(path: Path, times: Vector) -> str:
         Its times [s].
     """
     finite = times[np.isfinite(times)]
-    return "since 1970" if finite.size and finite.min() > _EPOCH else f"of {path}"
+    return "since 1970" if finite.size and finite.min() > EPOCH else f"of {path}"
 
 
 def held(times: Vector, values: Matrix, at: Vector) -> Matrix:
@@ -104,7 +119,7 @@ def held(times: Vector, values: Matrix, at: Vector) -> Matrix:
 
 
 def interpolated(times: Vector, values: Matrix, at: Vector) -> Matrix:
-    """Return values at some times, linearly between samples; NaN outside, and beside NaN.
+    """Return values at some times, linearly between samples; NaN outside, in gaps, and beside NaN.
 
     Parameters
     ----------
@@ -116,7 +131,29 @@ def interpolated(times: Vector, values: Matrix, at: Vector) -> Matrix:
         Where they are wanted [s].
     """
     columns = [np.interp(at, times, column, left=np.nan, right=np.nan) for column in values.T]
-    return np.column_stack(columns)
+    found = np.column_stack(columns)
+    found[in_silence(times, at)] = np.nan
+    return found
+
+
+def in_silence(times: Vector, at: Vector) -> npt.NDArray[np.bool_]:
+    """Return which times fall between samples that are far apart, or long after the last.
+
+    Parameters
+    ----------
+    times : (M,) array
+        Of the samples, not decreasing [s].
+    at : (N,) array
+        Times to be told apart [s].
+    """
+    periods = np.diff(times)
+    if not np.any(periods > 0.0):
+        return np.zeros(len(at), dtype=np.bool_)
+    longest = _SILENCE * float(np.median(periods[periods > 0.0]))
+    place = np.searchsorted(times, at, side="right") - 1
+    before = times[np.clip(place, 0, None)]
+    after = np.where(place + 1 < len(times), times[np.clip(place + 1, None, len(times) - 1)], at)
+    return (place >= 0) & (at > before) & (after - before > longest)
 
 
 def flat(track: Track) -> Track:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,14 @@ import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.identification.track import Track
-from radmpc.importing.logs.recording import Recording, extra, held, interpolated, refusal
+from radmpc.importing.logs.recording import (
+    Recording,
+    extra,
+    held,
+    in_silence,
+    interpolated,
+    refusal,
+)
 from radmpc.wording import count_text
 
 __all__ = ["read_ulog"]
@@ -51,7 +60,8 @@ def read_ulog(path: Path) -> Recording:
         raise refusal(path, "No such file or directory")
     try:
         # Opened here: the library leaves a file open that it cannot read.
-        with path.open("rb") as file:
+        # What it prints would stand among what is printed here.
+        with path.open("rb") as file, redirect_stdout(StringIO()):
             log = library.ULog(file, [_STATES, _SETPOINTS])
     except Exception as error:  # the library raises whatever its parser stumbles on
         raise refusal(path, f"cannot be read as ULog: {error}") from error
@@ -60,7 +70,7 @@ def read_ulog(path: Path) -> Recording:
         raise refusal(path, f"holds no {_STATES}")
     states = found[_STATES]
     times = _seconds(states)
-    warnings: list[str] = []
+    warnings = _losses(path, log, times)
     positions = _valid(states, _turned(states, ("x", "y", "z")), ("xy_valid", "z_valid"))
     velocities = _valid(states, _turned(states, ("vx", "vy", "vz")), ("v_xy_valid", "v_z_valid"))
     if np.isnan(positions[:, 0]).all():
@@ -69,15 +79,24 @@ def read_ulog(path: Path) -> Recording:
     velocities, more = _without_resets(states, velocities, "vxy", "vz", "delta_vxy", "delta_vz")
     if resets + more:
         warnings.append(f"{path}: undone: {count_text(resets + more, 'reset')} of the estimator")
-    if log.dropouts:
-        seconds = sum(dropout.duration for dropout in log.dropouts) / 1000.0
-        dropouts = count_text(len(log.dropouts), "dropout")
-        warnings.append(f"{path}: {dropouts} of the log, {seconds:.3g} s in all")
     controls, references = _setpoints(found.get(_SETPOINTS), times)
     track = Track(
         path.stem, str(path), f"of {path}", times, positions, velocities, controls, references
     )
     return Recording((track,), tuple(warnings))
+
+
+def _losses(path: Path, log: Any, times: Vector) -> list[str]:
+    """Return what is missing in a log, in words."""
+    lost = []
+    if log.file_corruption:
+        told = f"{count_text(len(times), 'sample')} from {times[0]:.6g} s to {times[-1]:.6g} s"
+        lost.append(f"{path}: a part of the log is corrupt: {told} are read")
+    if log.dropouts:
+        seconds = sum(dropout.duration for dropout in log.dropouts) / 1000.0
+        dropouts = count_text(len(log.dropouts), "dropout")
+        lost.append(f"{path}: {dropouts} of the log, {seconds:.3g} s in all")
+    return lost
 
 
 def _seconds(data: Data) -> Vector:
@@ -132,5 +151,7 @@ def _setpoints(data: Data | None, times: Vector) -> tuple[Matrix | None, Matrix 
         asked = _turned(data, (names[0], names[1], names[2]))
         asked[np.abs(asked).max(axis=1) >= _NO_COMMAND] = np.nan
         controls = held(at, asked, times)
+        # Flown by hand, a vehicle is commanded nothing.
+        controls[in_silence(at, times)] = np.nan
     references = interpolated(at, _turned(data, ("x", "y", "z")), times)
     return controls, references
