@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.ended import ended
 from radmpc.planners.certified.infeasible.explanation import why_not
 from radmpc.planners.certified.infeasible.least_risk import feasible_within
+from radmpc.planners.certified.infeasible.rarely_hit import rarely_hit
 from radmpc.planners.certified.infeasible.tuning import TUNING as WITHOUT
 from radmpc.planners.certified.more_faces import Finer, faces_text, finer_scenarios
 from radmpc.planners.certified.search import PriceSearch
@@ -79,6 +81,7 @@ def last_resort(
                 state = _from_safest(search, state, answer)
             if answer.blocked and not state.has_plan:
                 other, answer = _with_more_faces(search, answer)
+                other = other or _through_rarely_hit(search, answer)
                 if other is not None:
                     return other
             # More effort by the same faces finds no plan that is ruled out by them.
@@ -149,13 +152,34 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
 
 def _planned_with(search: PriceSearch, finer: Finer, answer: WhyNot) -> LastResort | None:
     """Plan with more faces; None where no plan is found."""
+    text = f"Planned with {finer.text}. By the faces of the scenario itself: {answer.explanation}"
+    return _planned_in(search, finer.scenario, text)
+
+
+def _through_rarely_hit(search: PriceSearch, answer: WhyNot) -> LastResort | None:
+    """Plan without obstacles that the referee charges little anywhere; None without a plan."""
+    fleet = search.fleet
+    fewer = rarely_hit(fleet.scenario, fleet.programs.models)
+    if fewer is None or fleet.limits.reached:
+        return None
+    text = f"{fewer.text} By the faces of the scenario itself: {answer.explanation}"
+    # What they may be hit with is for the referee to say, and left of Δ meanwhile.
+    return _planned_in(search, fewer.scenario, text, fewer.risk)
+
+
+def _planned_in(
+    search: PriceSearch, scenario: Scenario, text: str, reserved: float = 0.0
+) -> LastResort | None:
+    """Plan another scenario for the same referee; None where no plan is found."""
     fleet = search.fleet
     limits, progress = fleet.limits, fleet.progress
-    other = Fleet.of(finer.scenario, fleet.gap, limits, progress=progress, executor=fleet.executor)
-    finer_search, state = PriceSearch.of(other, search.judge), SearchState.of(other)
+    other = Fleet.of(scenario, fleet.gap, limits, progress=progress, executor=fleet.executor)
+    if reserved > 0.0:
+        first = max(other.first_budget - reserved, 0.0)
+        other = replace(other, initial=other.initial + reserved, first_budget=first)
+    other_search, state = PriceSearch.of(other, search.judge), SearchState.of(other)
     if state.budget > 0.0:
-        state = finer_search.run(state)
+        state = other_search.run(state)
     if not state.has_plan:
         return None
-    text = f"Planned with {finer.text}. By the faces of the scenario itself: "
-    return LastResort(finer_search, state, WhyNot(text + answer.explanation, is_proven=False))
+    return LastResort(other_search, state, WhyNot(text, is_proven=False))
