@@ -44,8 +44,7 @@ _LAST_TICKS = 2
 """Steps before the end at which a candidate may use all of the remaining risk [-]."""
 
 _LEAST_GRANT = 1e-5
-"""Remaining risk below which nothing is planned [-]: planners search long for plans that risk
-nothing."""
+"""Remaining risk below which nothing is planned [-]: plans that risk nothing are long to find."""
 
 _WORKER_SHARE = 0.8
 """Share of a step that planning for the next one gets where decisions have deadlines [-]."""
