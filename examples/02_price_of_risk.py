@@ -1,7 +1,7 @@
 """The price of risk.
 
 The same boat must pass the end of a pier, and the risk bound Δ decides how closely. Collisions
-count at the steps, and only at step 5 is the boat beside the pier. All of Δ is spent there: it
+count at the steps, and only at step 5 is the boat beside the pier. All of Δ is used there: it
 passes radius + Φ⁻¹(1 - Δ) σ beside the pier's end, and being that far aside at half time costs
 just as much. The planner's costs (dots) for ten bounds must lie on this curve, whose slope is the
 shadow price of risk; the number is the largest distance from it, relative to the cost.

@@ -118,7 +118,8 @@ def _write_film(image: Image.Image, target: Path) -> None:
         if number % _EVERY == 0:
             frames.append(frame.convert("RGB").resize(size, Image.Resampling.LANCZOS))
             durations.append(_EVERY * frame.info["duration"])
-    palette = frames[len(frames) // 2].quantize(_FILM_COLORS)
+    # The colors that are farthest apart: means of many would give two vehicles one hue.
+    palette = frames[len(frames) // 2].quantize(_FILM_COLORS, Image.Quantize.MAXCOVERAGE)
     frames = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     for frame in frames:
         # As an average of its palette the paper would show on a white page.

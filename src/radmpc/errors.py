@@ -33,6 +33,15 @@ class ScenarioError(RadmpcError, ValueError):
         Where in the scenario, as keys and indices: ``("vehicles", 2, "radius")``.
     more : tuple of ScenarioError
         Further errors in the same scenario; none of them has more.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> try:
+    ...     radmpc.Obstacle.box("rock", [4.0, 3.0], [3.0, 7.0])
+    ... except radmpc.ScenarioError as error:
+    ...     print(error)
+    min must not be above max on any axis, got [4.0, 3.0] and [3.0, 7.0]
     """
 
     def __init__(
@@ -89,7 +98,19 @@ class SolverError(RadmpcError):
 
 
 class NoPlanError(RadmpcError):
-    """Planning ended without the plan that was required."""
+    """Planning ended without the plan that was required.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from dataclasses import replace
+    >>> from radmpc.experiments.families import paper
+    >>> try:
+    ...     radmpc.plan(replace(paper(2, seed=1), horizon=2), rng=0).require()
+    ... except radmpc.NoPlanError as error:
+    ...     print(str(error).partition(",")[0])
+    Vehicle 'v1' cannot reach its goal within 2 steps (2 s) under its control and speed limits
+    """
 
 
 def raise_together(errors: Iterable[ScenarioError]) -> None:

@@ -34,6 +34,12 @@ class Origin:
         [°], -180 to 180.
     height : float
         Above the WGS84 ellipsoid [m], at most 100 km up or down.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> radmpc.Origin(54.1234, 12.0987, height=38.0)
+    Origin(latitude=54.1234, longitude=12.0987, height=38.0)
     """
 
     latitude: float

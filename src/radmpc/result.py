@@ -38,6 +38,14 @@ class Result:
         Every solve, in order.
     events : tuple of Event
         Subproblems without a solution on the way.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> result = radmpc.plan(paper(2, seed=1), rng=0)
+    >>> result.status, result.is_certified, len(result.sets)
+    (<Status.OPTIMAL: 'optimal'>, True, 2)
     """
 
     record: Plan

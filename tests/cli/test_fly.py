@@ -78,7 +78,7 @@ def test_a_mission_that_plans_anew_shows_its_account_and_goes_on_where_it_was_cu
     lines = result.stdout.splitlines()
     assert lines[1].split()[:4] == ["flown", "1", "of", "1"]
     assert "planned anew by certified" in lines[1]
-    head = lines.index("step      tail    wealth     price      bank  flown")
+    head = lines.index("step      tail  remaining  candidate  unallocated  flown")
     ticks = lines[head + 1 : -2]
     assert [line.split()[0] for line in ticks] == [str(step) for step in range(7)]
     assert any("a new leg" in line for line in ticks)

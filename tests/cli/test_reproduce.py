@@ -12,7 +12,16 @@ from dataclasses import replace
 import pytest
 
 from radmpc.console.commands import reproducing
-from radmpc.experiments.study import Study, full_study, quick_study, read_rows
+from radmpc.experiments.study import (
+    Journal,
+    Study,
+    full_study,
+    quick_study,
+    read_rows,
+    run_task,
+)
+from radmpc.experiments.study.trial import Task
+from radmpc.planners.presets import PRESETS
 
 # The command with a smaller study: what sizes and samples the shipped ones have is tested there;
 # and without a report, whose pictures take longer than all its runs.
@@ -51,6 +60,22 @@ def test_reproduce_writes_rows_report_and_figures_and_then_has_nothing_to_do(
     assert (tmp_path / "study/plans-2.png").exists()
     assert run(*words, "--report-only").exit_code == 0
     assert (tmp_path / "study/rows.jsonl").read_bytes() == before
+
+
+def test_a_report_calls_only_methods_left_out_that_have_no_rows(run, tmp_path, monkeypatch):
+    study = smaller(full_study(seeds=1))
+    names = {"certified": "no_such_package", "radmpc": "nor_this"}
+    methods = tuple(replace(m, package=names.get(m.name)) for m in study.methods)
+    monkeypatch.setattr(reproducing, "full_study", lambda **_: replace(study, methods=methods))
+    monkeypatch.setattr("radmpc.experiments.study.report.write_report", lambda *_: ())
+    row = run_task(Task("certified", PRESETS["certified"].planner, 2, 0, 10, 60.0))
+    (tmp_path / "study").mkdir()
+    with Journal.opened(tmp_path / "study" / "rows.jsonl") as journal:
+        journal.append(row)
+    result = run("reproduce", "--out", "study", "--report-only")
+    assert result.exit_code == 0
+    assert "left out: radmpc (package nor_this is not installed)" in result.stdout
+    assert "certified" not in result.stdout
 
 
 def test_reports_of_no_rows_are_refused_and_make_no_folder(run, tmp_path):

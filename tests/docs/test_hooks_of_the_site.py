@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from mkdocs.exceptions import PluginError
 from pages import ROOT
@@ -165,6 +166,22 @@ def test_small_pictures_keep_shape_white_paper_and_length(hook, tmp_path: Path) 
         assert film.convert("RGB").getpixel((0, 0)) == (255, 255, 255)
     with Image.open(tmp_path / "small-a.png") as picture:
         assert picture.size == (1150, 548)
+
+
+def test_colors_of_vehicles_stay_apart_in_small_films(hook, tmp_path: Path) -> None:
+    blue, green, orange = (0, 114, 178), (0, 158, 115), (213, 94, 0)
+    frame = Image.new("RGB", (420, 400), "white")
+    shades = range(50, 250, 2)  # as where texts and lines are smoothed
+    for place, shade in enumerate(shades):
+        frame.paste((shade, shade, shade), (4 * place, 0, 4 * place + 4, 300))
+    for row, color in enumerate((blue, green, orange)):
+        frame.paste(color, (0, 310 + 20 * row, 3, 313 + 20 * row))
+    frame.save(tmp_path / "a.gif", save_all=True, append_images=[frame.copy()], duration=100)
+    hook("figures").write_small(tmp_path / "a.gif", tmp_path / "small.gif")
+    with Image.open(tmp_path / "small.gif") as film:
+        small = film.convert("RGB")
+        shown = [small.getpixel((1, 311 + 20 * row)) for row in range(3)]
+    assert np.abs(np.array(shown) - np.array([blue, green, orange])).max() < 16
 
 
 def test_the_search_needs_no_server() -> None:

@@ -88,6 +88,16 @@ def test_a_report_has_all_tables_and_figures(rows, tmp_path):
 
 
 @pytest.mark.slow
+def test_rows_of_a_method_count_where_its_package_is_not_installed(rows, tmp_path, monkeypatch):
+    monkeypatch.setattr("radmpc.experiments.study.report.save_panels", lambda panels, path: None)
+    elsewhere = tuple(replace(m, package="no_such_package") for m in small().methods)
+    study = replace(small(), methods=elsewhere, shown={})
+    text = write_report(study, rows, tmp_path)[0].read_text(encoding="utf-8")
+    assert "12 of 12 runs" in text
+    assert "| `certified` |" in text
+
+
+@pytest.mark.slow
 def test_the_figures_show_the_medians(rows):
     axes = plot_chart(curves(summarize(rows, 0.05), small())["runtime"])
     lines = {line.get_label(): line.get_ydata() for line in axes.get_lines()}

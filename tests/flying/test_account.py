@@ -68,7 +68,7 @@ def test_what_is_granted_can_be_bought_and_is_at_most_the_bound(
 def test_the_bound_moves_the_bank_and_nothing_else(account: Account, bound: float) -> None:
     change = bound - account.risk_bound
     if account.bank + change < 0.0:
-        with pytest.raises(RiskError, match="the rest is with the leg in the air"):
+        with pytest.raises(RiskError, match="the rest is allocated to the leg in the air"):
             account.with_risk_bound(bound)
         return
     moved = account.with_risk_bound(bound)

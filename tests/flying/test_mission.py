@@ -255,7 +255,7 @@ def test_the_bound_can_be_moved_under_way(result: Result) -> None:
     mission.set_risk_bound(0.06)
     assert mission.account[-1].what == "bound"
     assert mission.account[-1].bank == pytest.approx(mission.account[0].bank + 0.01)
-    with pytest.raises(RiskError, match="the rest is with the leg in the air"):
+    with pytest.raises(RiskError, match="the rest is allocated to the leg in the air"):
         mission.set_risk_bound(0.0024)
 
 

@@ -22,6 +22,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Workspace
 from radmpc.planners.paper.temporal import make_temporal_obstacle
 from radmpc.plotting import animate_plan, save_animation
+from radmpc.plotting.canvas.figure import drawn_box
 from radmpc.plotting.interpolation import interpolated_path, moving_outline
 
 from .conftest import HORIZON
@@ -48,6 +49,18 @@ def test_a_long_name_of_a_scenario_ends_within_the_film(space_plan: Plan) -> Non
     [title] = [t for t in ax.findobj(Text) if t.get_text().startswith("iii")]
     assert title.get_text().splitlines()[0].endswith("…")
     assert title.get_window_extent().x1 <= ax.figure.bbox.width
+
+
+def test_a_low_and_wide_scene_in_space_takes_the_width_of_its_film(space_plan: Plan) -> None:
+    wide = Workspace(np.array([-4.0, -2.0, 0.0]), np.array([16.0, 12.0, 10.0]))
+    scenario = replace(space_plan.scenario, workspace=wide)
+    ax = drawn(animate_plan(replace(space_plan, scenario=scenario), frames_per_step=1), 0)
+    scene = drawn_box(ax)
+    assert scene.width > 0.8 * ax.figure.bbox.width
+    assert ax.figure.bbox.x0 <= scene.x0 < scene.x1 <= ax.figure.bbox.x1
+    ax.figure.draw_without_rendering()
+    heads = [t.get_window_extent() for t in ax.findobj(Text) if t.get_text().startswith("sky")]
+    assert all(head.y0 > scene.y1 for head in heads)
 
 
 def test_names_that_move_with_vehicles_stay_within_the_axes(flat_plan: Plan) -> None:

@@ -111,7 +111,7 @@ export interface PlanView {
   readonly perStep: number;
   readonly tracks: readonly TrackView[];
   readonly ledger: readonly LedgerLine[];
-  /** Δ that nobody spends. */
+  /** Δ that is not used. */
   readonly left: number;
   /** Bound on what saturated controls add. */
   readonly saturation: number;
@@ -148,7 +148,7 @@ export interface Trail {
 export interface TickView {
   readonly step: number;
   readonly states: readonly (readonly number[])[];
-  /** Of Δ, not yet spent. */
+  /** Of Δ, not yet used. */
   readonly left: number;
   readonly spent: number;
   /** Who took over: the plan kept, its tail, a new plan. */

@@ -1,16 +1,17 @@
 r"""What is left of a mission's risk bound: arithmetic alone.
 
 A *leg* is what is flown from some step on; its conditional value is the certificate of what is
-left of it, given what has been measured. The *wealth* of a mission is the conditional value of the
-leg in the air, its *tail*, and a *bank* that is never below 0. Another leg may be adopted whose
-price, the certificate of its own, is at most the wealth; what is left of the wealth then is the
-new bank:
+left of it, given what has been measured. The *remaining risk* of a mission (`wealth`) is the
+conditional value of the leg in the air, its *tail*, and the *unallocated risk* (`bank`), which is
+never below 0. Another leg may be adopted whose own certificate (`price`) is at most the remaining
+risk; what it leaves of that is then unallocated:
 
 .. math:: W_t = C_t(\text{tail}) + b, \qquad C_t(\text{new}) \le W_t, \qquad
           b := W_t - C_t(\text{new}).
 
-Keeping the tail is always allowed and leaves the bank as it is. The probability of any collision in
-the mission is then at most Δ, whatever planner is used and however often (proof: docs/flying.md).
+Keeping the tail is always allowed and leaves the unallocated risk as it is. The probability of any
+collision in the mission is then at most Δ, whatever planner is used and however often (proof:
+docs/flying.md).
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ from radmpc.records import dataclass, fields, replace
 __all__ = ["TOLERANCE", "Account"]
 
 TOLERANCE = 1e-6
-"""Share [-] by which a tail counts less than its value, and a price more: two evaluations of one
-probability may differ by their rounding, and none of it may ever make wealth."""
+"""Share [-] by which a tail counts less than its value, and a certificate more: two evaluations of
+one probability may differ by their rounding, which may never add to the remaining risk."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +69,7 @@ class Account:
         Returns
         -------
         Account
-            What the leg does not need is in the bank.
+            What is not allocated to the leg is kept.
 
         Raises
         ------
@@ -84,11 +85,11 @@ class Account:
 
     @property
     def wealth(self) -> float:
-        """What another leg may cost at most, `TOLERANCE` included [-]."""
+        """Remaining risk: what another leg may risk at most, `TOLERANCE` included [-]."""
         return self.bank + self.tail * (1.0 - TOLERANCE)
 
     def affords(self, price: float) -> bool:
-        """Whether a leg of a price may be adopted.
+        """Whether a leg may be adopted: its risk is within the remaining risk.
 
         Parameters
         ----------
@@ -109,7 +110,7 @@ class Account:
         Returns
         -------
         Account
-            With the same bank.
+            With the same unallocated risk.
         """
         return replace(self, tail=tail)
 
@@ -124,16 +125,17 @@ class Account:
         Returns
         -------
         Account
-            With what is left of the wealth as the bank: the old one is part of that wealth.
+            What the leg leaves of the remaining risk is unallocated; the old unallocated risk is
+            part of that.
 
         Raises
         ------
         RiskError
-            If the price exceeds the wealth.
+            If the price exceeds the remaining risk.
         """
         if not self.affords(price):
             raise RiskError(
-                f"price must be at most the wealth of {self.wealth:.6g}, got {price:.6g}"
+                f"price must be at most the remaining risk of {self.wealth:.6g}, got {price:.6g}"
             )
         bank = self.wealth - price * (1.0 + TOLERANCE)
         return replace(self, tail=price, bank=max(bank, 0.0))
@@ -154,10 +156,10 @@ class Account:
         return replace(self, tail=max(self.tail - next_step, 0.0))
 
     def grant(self, share: float) -> float:
-        """Return what a candidate may risk: a share of the wealth, at most Δ.
+        """Return what a candidate may risk: a share of the remaining risk, at most Δ.
 
-        Candidates that may cost all of the wealth soon leave none: a leg that is tight everywhere
-        has next to no value after a step that went well, and no leg is affordable within that.
+        Candidates that may use all of the remaining risk soon leave none: a leg that is tight
+        everywhere has next to no value after a step that went well, and no leg fits in that.
 
         Parameters
         ----------
@@ -167,7 +169,7 @@ class Account:
         Returns
         -------
         float
-            Such that a leg of exactly this price is affordable [-].
+            Such that a leg of exactly this risk may be adopted [-].
 
         Raises
         ------
@@ -184,7 +186,7 @@ class Account:
         Parameters
         ----------
         risk_bound : float
-            The new Δ: what it is more goes to the bank, what it is less is taken from it [-].
+            The new Δ: the unallocated risk changes by as much [-].
 
         Returns
         -------
@@ -194,14 +196,14 @@ class Account:
         Raises
         ------
         RiskError
-            If the bank does not hold what would be taken: the leg in the air is charged the rest.
+            If less is unallocated than would be taken: the rest is allocated to the leg in the air.
         """
         _check_risk(risk_bound, "risk_bound")
         bank = self.bank + (risk_bound - self.risk_bound)
         if bank < 0.0:
             raise RiskError(
                 f"risk_bound can be lowered to {self.risk_bound - self.bank:.6g} at most, the rest "
-                f"is with the leg in the air; got {risk_bound:.6g}"
+                f"is allocated to the leg in the air; got {risk_bound:.6g}"
             )
         return replace(self, risk_bound=risk_bound, bank=bank)
 

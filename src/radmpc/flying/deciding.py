@@ -32,8 +32,8 @@ __all__ = [
 ]
 
 SHARE = 0.6
-"""Share of the wealth that a candidate may cost [-]. At 1 the wealth dries up: a leg that is tight
-everywhere has no value after a step that went well (docs/flying.md)."""
+"""Share of the remaining risk that a candidate may use [-]. At 1 little soon remains: a leg that is
+tight everywhere has no value after a step that went well (docs/flying.md)."""
 
 MISS_PRICE = 20.0
 """Effort that a meter of missing the goals is worth [1/m]: 1 m/s² of a vehicle of weight 1, held
@@ -41,10 +41,10 @@ for a step, is an effort of 1. Without it much effort would go into the last cen
 (docs/flying.md)."""
 
 _LAST_TICKS = 2
-"""Steps before the end at which a candidate may cost all of the wealth [-]."""
+"""Steps before the end at which a candidate may use all of the remaining risk [-]."""
 
 _LEAST_GRANT = 1e-5
-"""Wealth below which nothing is planned [-]: planners search long for plans that risk nothing."""
+"""Remaining risk below which nothing is planned [-]: plans that risk nothing are long to find."""
 
 _WORKER_SHARE = 0.8
 """Share of a step that planning for the next one gets where decisions have deadlines [-]."""
@@ -59,7 +59,7 @@ class Rule:
     sources : Sources
         What makes candidates.
     share : float
-        φ, what a candidate may cost of the wealth, above 0 and at most 1 [-].
+        φ, what a candidate may use of the remaining risk, above 0 and at most 1 [-].
     miss_price : float
         Effort that missing goals by a meter is worth [1/m].
     """
@@ -243,7 +243,7 @@ def decided(rule: Rule, moment: Moment, timer: Timer) -> Decision:
         refused.append(Candidate(None, best.price, LATE))
         best = None
     if best is not None and best.leg is not None:
-        reason = "the candidate is better, and its price is within the wealth"
+        reason = "the candidate is better, and its risk is within what remains"
         return Decision(best.leg, reason, value.total, best.price, best.next_step)
     last = refused[-1]
     return Decision(None, last.reason, value.total, last.price, value.next_step)
@@ -287,7 +287,7 @@ def objection(moment: Moment, price: float, scores: tuple[float, float], *, is_f
         Whether that best leg is the tail.
     """
     if not moment.account.affords(price):
-        return f"the candidate costs {price:.3g}, the wealth is {moment.account.wealth:.3g}"
+        return f"the candidate risks {price:.3g}, and {moment.account.wealth:.3g} remains"
     least, score = scores
     if score < least:
         return ""

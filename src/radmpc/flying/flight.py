@@ -144,6 +144,16 @@ def fly(
         If there is no mission, or no backend.
     ArgumentError
         If patience is below 0, or the mission has flown steps already.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> result = radmpc.plan(paper(2, seed=1), rng=0)
+    >>> mission = radmpc.Mission(result, planner=None)  # the plan as it is
+    >>> flight = radmpc.fly(mission, radmpc.Model(result.record.scenario, rng=1))
+    >>> flight.contacts, len(flight.ticks)
+    ((), 11)
     """
     _check_flyable(mission, backend)
     check_number(patience, "patience")

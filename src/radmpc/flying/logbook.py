@@ -86,7 +86,7 @@ class Logbook:
 
     @one_at_a_time
     def set_risk_bound(self, risk_bound: float) -> None:
-        """Change Δ under way: more goes to the bank, less is taken from it.
+        """Change Δ under way: the unallocated risk changes by as much.
 
         Parameters
         ----------
@@ -96,7 +96,7 @@ class Logbook:
         Raises
         ------
         RiskError
-            If the bank does not hold what would be taken.
+            If less is unallocated than would be taken.
         """
         self._account = self._account.with_risk_bound(risk_bound)
         self._enter("bound", None)

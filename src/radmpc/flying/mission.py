@@ -64,7 +64,7 @@ class Mission(Logbook):
         A preset's name, or what makes a plan (or a result, or None) of a scenario and of the
         seconds there are; None never plans anew.
     share : float
-        φ, what a candidate may cost of the wealth, above 0 and at most 1 [-].
+        φ, what a candidate may use of the remaining risk, above 0 and at most 1 [-].
     miss_price : float
         Effort that missing goals by a meter is worth, at least 0 [1/m].
     seed : int

@@ -50,7 +50,7 @@ def failure(contacts: Sequence[Contact]) -> str:
 
 
 def progress_text(scenario: Scenario, step: int, wealth: float, end: str | None) -> str:
-    """Return how far a mission is, and what is left of Δ.
+    """Return how far a mission is, and what remains of Δ.
 
     Parameters
     ----------
@@ -59,12 +59,12 @@ def progress_text(scenario: Scenario, step: int, wealth: float, end: str | None)
     step : int
         At which the next decision is due.
     wealth : float
-        What another leg might cost [-].
+        Remaining risk: what another leg might risk [-].
     end : str or None
         How the mission ended; None while it is under way.
     """
     where = f"step {step} of {scenario.horizon}" if end is None else end
-    return f"{scenario.name!r}: {where}; wealth {wealth:.3g} of Δ = {scenario.risk_bound:g}"
+    return f"{scenario.name!r}: {where}; remaining risk {wealth:.3g} of Δ = {scenario.risk_bound:g}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,10 +100,14 @@ class Entry:
     what : str
         "opened", "kept", "adopted", "bound" where Δ was changed, "new grant" where the account
         was opened again.
-    risk_bound, tail, bank, wealth : float
+    risk_bound, tail : float
         As in `Account`, afterwards [-].
+    bank : float
+        Unallocated risk, afterwards [-].
+    wealth : float
+        Remaining risk, afterwards: of the tail, and the unallocated risk [-].
     price : float or None
-        What the leg that was adopted cost [-].
+        Risk of the leg that was adopted [-].
     """
 
     step: int
@@ -127,7 +131,7 @@ def entered(step: int, what: str, now: Account, price: float | None) -> Entry:
     now : Account
         Afterwards.
     price : float or None
-        What the leg that was adopted cost [-].
+        Risk of the leg that was adopted [-].
     """
     return Entry(step, what, now.risk_bound, now.tail, now.bank, now.wealth, price)
 
@@ -149,9 +153,9 @@ class Tick:
     value : float or None
         Conditional value of the tail before the decision [-]; None where nothing was measured.
     wealth : float
-        What another leg might have cost [-].
+        Remaining risk: what another leg might have risked [-].
     price : float or None
-        What the candidate would cost or does [-]; None where there was none.
+        Risk of the candidate, adopted or not [-]; None where there was none.
     next_step : float or None
         What of the value of the leg that is flown is run until the next step [-].
     alarms : tuple of str

@@ -89,6 +89,19 @@ def import_scenario(
         If no importer knows the format, or with one line that names file, line and field.
     ArgumentTypeError
         If an argument is of another kind; the message says what to do instead.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> cells = "map: {dimensions: [4, 3], obstacles: [[1, 1]]}"
+    >>> agent = "agents: [{name: a, start: [0, 0], goal: [3, 2]}]"
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "map.yaml"
+    ...     _ = path.write_text("{" + cells + ", " + agent + "}")
+    ...     radmpc.import_scenario(path).scenario
+    Scenario('map', 1 vehicle, 1 obstacle, 10 steps of 0.54 s, risk bound 0.05)
     """
     paths: list[Any] = list(path) if isinstance(path, list | tuple) else [path]
     for one in paths or [path]:

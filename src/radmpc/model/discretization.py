@@ -74,6 +74,14 @@ def step_covariance(drift: npt.ArrayLike, density: npt.ArrayLike, dt: float) -> 
     ------
     ScenarioError
         If a shape does not fit, Q is no covariance, or the step is not above zero.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> A = np.array([[0.0, 1.0], [0.0, 0.0]])  # position and velocity
+    >>> step_covariance(A, np.diag([0.0, 0.01]), 1.0).round(4)
+    array([[0.0033, 0.005 ],
+           [0.005 , 0.01  ]])
     """
     step = _above_zero(dt)
     F = as_matrix(drift, path=("drift",))

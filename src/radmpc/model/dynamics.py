@@ -188,6 +188,12 @@ def lqr_gain(system: LinearSystem, Q: npt.ArrayLike, R: npt.ArrayLike) -> Matrix
     ------
     ScenarioError
         If Q or R has the wrong shape, R is not positive definite, or no stabilizing gain exists.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> lqr_gain(double_integrator(1.0, 2), np.eye(4), np.eye(2))[0, ::2].round(2)  # along x
+    array([-0.43, -1.03])
     """
     check_kind(system, LinearSystem, "system", "a LinearSystem")
     state_weight = as_matrix(Q, (system.num_states, system.num_states), ("Q",))

@@ -30,7 +30,7 @@ CAUSES: tuple[Cause, ...] = ("pair", "obstacle", "workspace", "range")
 
 @dataclass(frozen=True, slots=True)
 class LedgerRow:
-    """A share of the risk and what it was spent on.
+    """A share of the risk and its cause.
 
     Attributes
     ----------

@@ -7,16 +7,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 
 from radmpc.arguments import field_integer, field_number, field_parts, field_text, one, value_text
 from radmpc.errors import ScenarioError
-from radmpc.model.consistency import (
-    check_dimensions,
-    check_distinct,
-    check_growth,
-    check_moving,
-    check_printable,
-    check_step,
-    check_windows,
-    check_workspace,
-)
+from radmpc.model import consistency
 from radmpc.model.numbers import check_not_negative, check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Goal, Vehicle
@@ -73,6 +64,15 @@ class Scenario:
     goals : tuple of Goal
         Goals that vehicles share, each for one of them: planning assigns them, and those that
         vehicles have are among them. None are shared where it is empty.
+
+    Examples
+    --------
+    >>> from radmpc import Goal, Obstacle, Scenario, Vehicle, double_integrator
+    >>> goal, rock = Goal.at([9.0, 9.0], 0.5), Obstacle.box("rock", [4.0, 3.0], [6.0, 7.0])
+    >>> tug = Vehicle("tug", double_integrator(1.0, 2), [1.0, 1.0], goal, radius=0.4,
+    ...               control_limit=2.0, initial_covariance=0.001, disturbance_covariance=0.001)
+    >>> Scenario("bay", dt=1.0, horizon=10, risk_bound=0.05, vehicles=[tug], obstacles=[rock])
+    Scenario('bay', 1 vehicle, 1 obstacle, 10 steps of 1 s, risk bound 0.05)
     """
 
     name: str
@@ -116,16 +116,16 @@ class Scenario:
         self._check_numbers()
         if not self.vehicles:
             raise ScenarioError("needs at least one vehicle, got none", ("vehicles",))
-        check_printable(self.name, ("name",))
-        check_distinct([v.name for v in self.vehicles], "vehicles")
-        check_distinct([o.name for o in self.obstacles], "obstacles")
-        check_dimensions(self.vehicles, self.obstacles, self.pair_faces)
-        check_growth(self.vehicles, self.horizon, self.dt)
-        check_workspace(self.vehicles, self.workspace)
+        consistency.check_printable(self.name, ("name",))
+        consistency.check_distinct([v.name for v in self.vehicles], "vehicles")
+        consistency.check_distinct([o.name for o in self.obstacles], "obstacles")
+        consistency.check_dimensions(self.vehicles, self.obstacles, self.pair_faces)
+        consistency.check_growth(self.vehicles, self.horizon, self.dt)
+        consistency.check_workspace(self.vehicles, self.workspace)
         obstacles = tuple(o.laid_out(self.dt, self.horizon) for o in self.obstacles)
         object.__setattr__(self, "obstacles", obstacles)
-        check_moving(self.obstacles, self.horizon)
-        check_step(self.vehicles, self.dt)
+        consistency.check_moving(self.obstacles, self.horizon)
+        consistency.check_step(self.vehicles, self.dt)
         if self.has_shared:
             from radmpc.model.noise.shared import check_sources  # noqa: PLC0415 - few share
 
@@ -134,7 +134,7 @@ class Scenario:
             from radmpc.model.relations.checks import check_relations  # noqa: PLC0415 - few have any
 
             check_relations(self.keep, self.obstacles, [vehicle.name for vehicle in self.vehicles])
-        check_windows(self.vehicles, self.horizon, self.workspace)
+        consistency.check_windows(self.vehicles, self.horizon, self.workspace)
         if self.goals:
             from radmpc.model.relations.goals import check_goals  # noqa: PLC0415 - few share any
 

@@ -56,6 +56,13 @@ def survey_visits(
     ------
     ScenarioError
         If the area has no inner points, or a number is not allowed.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> area = [[0.0, 0.0], [40.0, 0.0], [40.0, 12.0], [0.0, 12.0]]
+    >>> [v.center.tolist() for v in radmpc.survey_visits(area, spacing=6.0)]
+    [[0.0, 3.0], [40.0, 3.0], [40.0, 9.0], [0.0, 9.0]]
     """
     corners = as_matrix(area, (None, 2), ("area",))
     between = field_number(spacing, ("spacing",))

@@ -11,15 +11,9 @@ import numpy.typing as npt
 from radmpc.arguments import check_integer, field_number, field_text, value_text
 from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_covariance, as_matrix, as_vector
 from radmpc.errors import ScenarioError, all_checked
+from radmpc.model import numbers
 from radmpc.model.dynamics import LinearSystem, covariances
 from radmpc.model.goal import Goal
-from radmpc.model.numbers import (
-    check_correlation,
-    check_positive,
-    check_speedless,
-    check_vehicle_numbers,
-    consistent_limits,
-)
 from radmpc.model.states import as_state
 from radmpc.ranges import sized
 from radmpc.records import dataclass
@@ -85,6 +79,13 @@ class Vehicle(Frozen):
     belief : Belief or None
         What is known at k = 0 of a vehicle under way whose disturbances last or that measures, in
         place of `initial_covariance`; it shares no disturbance. Not written to scenario files.
+
+    Examples
+    --------
+    >>> from radmpc import Goal, Vehicle, double_integrator
+    >>> Vehicle("tug", double_integrator(1.0, 2), [1.0, 1.0], Goal.at([9.0, 9.0], 0.5), radius=0.4,
+    ...         control_limit=2.0, initial_covariance=0.001, disturbance_covariance=0.001).start
+    array([1., 1., 0., 0.])
     """
 
     name: str
@@ -150,15 +151,15 @@ class Vehicle(Frozen):
             put(self, "drift", sized(as_vector(self.drift, n, path), path))
         for name, size in (("control", m), ("speed", d)):
             norm, axes = getattr(self, f"{name}_norm"), getattr(self, f"{name}_limit")
-            norm, axes = consistent_limits(norm, axes, size, f"{name}_limit")
+            norm, axes = numbers.consistent_limits(norm, axes, size, f"{name}_limit")
             put(self, f"{name}_norm", norm)
             put(self, f"{name}_limit", axes)
-        limit = self.speed_limit
+        limit, sizes = self.speed_limit, (self.radius, self.control_sigmas, self.cost_weight)
         all_checked(
-            lambda: None if limit is None else check_positive(limit, "speed_limit", "m/s"),
-            lambda: check_positive(self.control_limit, "control_limit", "per axis"),
-            lambda: check_vehicle_numbers(self.radius, self.control_sigmas, self.cost_weight),
-            lambda: check_correlation(self.disturbance_correlation),
+            lambda: None if limit is None else numbers.check_positive(limit, "speed_limit", "m/s"),
+            lambda: numbers.check_positive(self.control_limit, "control_limit", "per axis"),
+            lambda: numbers.check_vehicle_numbers(*sizes),
+            lambda: numbers.check_correlation(self.disturbance_correlation),
         )
         if self.measurement is not None and self.measurement.matrix.shape[1] != n:
             raise ScenarioError(
@@ -170,7 +171,7 @@ class Vehicle(Frozen):
             message = f"must have {d} coordinates like the position, got {found}"
             raise ScenarioError(message, ("goal",))
         if self.system.velocity is None:
-            check_speedless(speed_limit=self.speed_limit, goal=self.goal.speed)
+            numbers.check_speedless(speed_limit=self.speed_limit, goal=self.goal.speed)
 
     def _check_kinds(self) -> None:
         """Refuse parts of another kind, and make numbers Python's."""

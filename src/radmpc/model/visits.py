@@ -33,6 +33,12 @@ class Visit(Frozen):
         is any step from 1 to T - 1.
     speed : (d,) array or None
         Largest mean speed per axis at the visit [m/s]; None leaves it free.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> radmpc.Visit.at([10.0, 8.0], half_width=1.0, between=(3, 6))
+    Visit(lower=array([9., 7.]), upper=array([11.,  9.]), between=(3, 6), speed=None)
     """
 
     lower: Vector
@@ -176,6 +182,14 @@ def steps_visited(
     -------
     tuple of int
         One per visit, up to the first that is not made.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> path = [[0.0, 0.0], [4.0, 0.0], [8.0, 1.0], [12.0, 2.0]]  # mean positions, step by step
+    >>> buoy = radmpc.Visit.at([8.0, 0.5], half_width=1.0)
+    >>> radmpc.steps_visited([buoy], path, velocities=None)
+    (2,)
     """
     places = np.asarray(positions, dtype=np.float64)
     speeds = None if velocities is None else np.abs(np.asarray(velocities, dtype=np.float64))

@@ -23,6 +23,12 @@ class Workspace(Frozen):
     ----------
     lower, upper : (d,) array
         Corners [m].
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> radmpc.Workspace([0.0, 0.0], [24.0, 16.0])
+    Workspace(lower=array([0., 0.]), upper=array([24., 16.]))
     """
 
     lower: Vector

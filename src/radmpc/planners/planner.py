@@ -217,7 +217,7 @@ class Planner:
 
     @property
     def bounds_risk(self) -> bool:
-        """Whether its policy spends Δ; otherwise the certificate may be anything."""
+        """Whether its policy allocates Δ; otherwise the certificate may be anything."""
         return self.policy.family != "deterministic"
 
     def __str__(self) -> str:

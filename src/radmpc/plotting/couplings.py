@@ -27,7 +27,7 @@ from radmpc.plotting.canvas.style import (
     vehicle_colors,
 )
 from radmpc.plotting.risk.ledger_looks import new_column
-from radmpc.plotting.set_layout import laid_out
+from radmpc.plotting.set_layout import SetLayout, laid_out
 from radmpc.wording import count_text
 
 __all__ = ["plot_couplings"]
@@ -116,11 +116,19 @@ def plot_couplings(plan: Plan, ax: Axes | None = None) -> Axes:
     _shade_sets(axes, plan, place_of)
     _draw_edges(axes, plan, place_of)
     _draw_vehicles(axes, plan, place_of, dict(zip(names, layout.outward, strict=True)))
-    axes.text(
-        0.0, 0.0, _legend(plan), transform=axes.transAxes, fontsize=LABEL_SIZE, color=MUTED,
-        va="top", gid="meaning",
+    axes.annotate(
+        _legend(plan), (0.0, 0.0), xycoords="axes fraction", fontsize=LABEL_SIZE, color=MUTED,
+        xytext=(0.0, -_reach(axes, layout)), textcoords="offset points", va="top", gid="meaning",
     )  # fmt: skip
     return axes
+
+
+def _reach(ax: Axes, layout: SetLayout) -> float:
+    """Return how far below the axes the lowest names may reach [pt]."""
+    is_down = layout.outward[:, 1] < -_UPRIGHT
+    drop = np.where(is_down, -_AWAY * layout.outward[:, 1] + LETTER[1] * LABEL_SIZE, 0.0)
+    above = (layout.places[:, 1] + layout.height) * points_per_unit(ax)
+    return max(0.0, float(np.max(drop - above)))
 
 
 def _shade_sets(ax: Axes, plan: Plan, place_of: dict[str, Matrix]) -> None:

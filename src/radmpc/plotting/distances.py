@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from radmpc.arguments import check_integer
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
-from radmpc.plotting.canvas.figure import check_axes
+from radmpc.plotting.canvas.figure import check_axes, numbers_of
 from radmpc.plotting.canvas.headline import PLAIN, write_headline
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE
 from radmpc.plotting.clearances import Clearance, closest_clearances
@@ -59,7 +59,8 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     check_axes(ax, 2)
     check_integer(most, "most", 1)
     axes = new_column(_HEIGHT).add_subplot() if ax is None else ax
-    settle_part(axes, "", "time [s]")
+    with numbers_of(axes):
+        settle_part(axes, "", "time [s]")
     write_headline(axes, plan.scenario.name, ": closest encounters in σ")
     if not plan.trajectories:
         return say_nothing(axes, plan)

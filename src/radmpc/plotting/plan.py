@@ -62,6 +62,14 @@ def plot_plan(
     -------
     Axes
         The axes drawn on, of several the oblique ones; nothing is shown and nothing saved.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), rng=0).require()
+    >>> radmpc.plot_plan(plan, title="mine").get_xlabel()
+    'x [m]'
     """
     check_plan(plan)
     check_axes(ax, plan.scenario.dimension)

@@ -90,6 +90,18 @@ def save_figure(plan: Plan, path: str | os.PathLike[str]) -> None:
     ------
     FileFormatError
         If the name ends otherwise.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), rng=0).require()
+    >>> with TemporaryDirectory() as folder:
+    ...     radmpc.save_figure(plan, Path(folder) / "plan.pdf")
+    ...     [path.name for path in Path(folder).iterdir()]
+    ['plan.pdf']
     """
     check_path(path)
     target = Path(path)

@@ -57,6 +57,13 @@ def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
     -------
     Axes
         The axes drawn on, of several the oblique ones; nothing is shown and nothing saved.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> radmpc.plot_scenario(paper(2, seed=1)).get_title(loc="left")
+    'paper-2-1'
     """
     check_scenario(scenario)
     check_axes(ax, scenario.dimension)

@@ -89,7 +89,7 @@ def plot_costs(key: str, points: Sequence[CostPoint], ax: Axes | None = None) ->
         order = np.argsort(across, kind="stable")
         _draw(axes, across[order], [own[k] for k in order], curve, PALETTE[i % len(PALETTE)])
     if not is_scale:
-        axes.set_xticks(range(len(words)), words)
+        axes.set_xticks(range(len(words)), words, parse_math=False)
     elif min(numbers) > 0.0 and np.log10(max(numbers) / min(numbers)) >= _DECADES:
         axes.set_xscale("log")
     _finish(axes, key, curves)
@@ -120,9 +120,12 @@ def _draw(axes: Axes, across: np.ndarray, points: list[CostPoint], curve: str, c
 
 def _finish(axes: Axes, key: str, curves: list[str]) -> None:
     """Write what the axes show."""
-    axes.set_title(f"Cost over {key}", loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
-    axes.set_xlabel(key, fontsize=LABEL_SIZE, labelpad=1.0)
-    axes.set_ylabel("cost", fontsize=LABEL_SIZE, labelpad=1.0)
+    axes.set_title(
+        f"Cost over {key}", loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0,
+        parse_math=False,
+    )  # fmt: skip
+    axes.set_xlabel(key, fontsize=LABEL_SIZE, labelpad=1.0, parse_math=False)
+    axes.set_ylabel("cost [m/s²]", fontsize=LABEL_SIZE, labelpad=1.0)
     axes.tick_params(which="both", labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
     axes.grid(color="#E4E4E4", linewidth=0.4)
     axes.set_axisbelow(True)
@@ -130,4 +133,5 @@ def _finish(axes: Axes, key: str, curves: list[str]) -> None:
         spine.set_linewidth(0.5)
         spine.set_visible(name in {"left", "bottom"})
     if len(curves) > 1:
-        axes.legend(fontsize=TICK_SIZE, frameon=False)
+        for text in axes.legend(fontsize=TICK_SIZE, frameon=False).get_texts():
+            text.set_parse_math(False)

@@ -16,6 +16,7 @@ from radmpc.plotting.canvas.figure import (
     fill,
     new_figure,
     ratio_in_space,
+    run_layout,
     settle_axes,
     zoom_to,
 )
@@ -118,7 +119,7 @@ def settle_views(views: Views) -> None:
     root = views.figure.get_figure(root=True)
     if root is None:
         return
-    root.draw_without_rendering()
+    run_layout(root)
     if not isinstance(views.figure, Figure):
         # Other panels of the user's figure may still move it, but its room is its own.
         fill(views.oblique, cell_of(views.oblique))
@@ -147,11 +148,11 @@ def _center(ax: Axes3D) -> None:
     for artist in others:  # what is drawn beside takes the time, and says nothing
         artist.set_visible(False)
     for _ in range(3):  # texts keep their size, so that one step does not do
-        root.draw_without_rendering()  # which places the labels
+        run_layout(root)  # which places the labels
         drawn = drawn_box(ax)
         zoom *= min(room.width / drawn.width, room.height / drawn.height)
         zoom_to(ax, zoom)
-        root.draw_without_rendering()
+        run_layout(root)
         drawn, where = drawn_box(ax), ax.bbox
         right = 0.5 * (room.x0 + room.x1 - drawn.x0 - drawn.x1)
         up = 0.5 * (room.y0 + room.y1 - drawn.y0 - drawn.y1)

@@ -31,7 +31,7 @@ Spread = Literal["reached", "all"]
 def uniform_allocation(
     program: DisjunctiveProgram, budget: float, spread: Spread = "reached"
 ) -> Vector:
-    """Spread a budget evenly, so that no selection can spend more.
+    """Spread a budget evenly, so that no selection can use more.
 
     Risk items whose rows no control moves get the least risk they carry in any case on top.
 

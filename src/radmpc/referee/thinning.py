@@ -106,6 +106,14 @@ def thin(
         If the tolerance is not > 0, or the rounding is below 0.
     ScenarioError
         If there is no such risk bound.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), rng=0).require()
+    >>> [len(kept) for kept in radmpc.thin(plan, 0.5, risk_bound=0.1).steps]  # of 11 each
+    [2, 2]
     """
     check_plan(plan)
     for name, value, least in (("tolerance", tolerance, 0.0), ("rounding", rounding, -1e-300)):

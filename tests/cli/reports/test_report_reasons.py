@@ -37,7 +37,7 @@ def test_the_report_says_what_more_risk_would_save(
         ({"risk": Risk(0.05, 0.01)}, "the union bounds that the search counts by are used up"),
         (
             {"risk": Risk(0.05, 0.01), "status": Status.FEASIBLE},
-            "the search ended before it was known whether spending more would save anything",
+            "the search ended before it was known whether using more would save anything",
         ),
     ],
 )
@@ -127,7 +127,7 @@ def test_the_report_says_which_limits_are_used_up(capsys: pytest.CaptureFixture[
     controls[:2] = circle(3).vehicles[0].control_limit
     pushed = (replace(still[0], controls=controls), *still[1:])
     told = shown(capsys, make_plan(trajectories=pushed, risk=Risk(0.05, 0.0495)))
-    assert "the risk bound (99 % of it spent), control limit of v1 (2 steps)" in " ".join(
+    assert "the risk bound (99 % of it used), control limit of v1 (2 steps)" in " ".join(
         told.split()
     )
     assert "limited by" not in shown(capsys, make_plan())
@@ -173,7 +173,7 @@ def test_a_cost_below_its_lower_bound_comes_with_the_reason(
 @pytest.mark.parametrize(
     ("price", "status", "told"),
     [
-        (0.0, Status.FEASIBLE, "80 % of the bound: spending it would not make the plan cheaper"),
+        (0.0, Status.FEASIBLE, "80 % of the bound: using it would not make the plan cheaper"),
         (None, Status.OPTIMAL, "80 % of the bound: the planner counts by union bounds"),
     ],
 )

@@ -134,7 +134,7 @@ def test_a_leg_that_could_not_be_afforded_is_found_out(path: Path, rows: list[Ti
 
     forged(path, _first_leg(rows), dive)
     problems = flight_problems(load_flight(path))
-    assert any("was not affordable: price must be at most the wealth" in p for p in problems)
+    assert any("not within the remaining risk: price must be at most" in p for p in problems)
 
 
 def test_a_collision_that_is_kept_quiet_is_found_out(tmp_path: Path, plan: Plan) -> None:

@@ -13,6 +13,7 @@ from recorded_flights import drifting
 import radmpc
 from radmpc.errors import ArgumentError, ArgumentTypeError
 from radmpc.io.flight.record import FlightRecord, FlightSettings, Touch
+from radmpc.model.scenario import Workspace
 from radmpc.plotting.film.animation import FRAMES_PER_STEP
 from radmpc.plotting.flight.film import make_flight_film
 
@@ -45,6 +46,23 @@ def test_a_picture_shows_paths_over_the_plan_and_the_account_beneath(record: Fli
     rows = record.missions[0].rows
     assert wealth.tolist() == pytest.approx([row.bank + row.tail for row in rows])
     assert [gid for a in axes.get_children() if (gid := str(a.get_gid())).startswith("cont")] == []
+
+
+def test_the_label_beside_long_numbers_of_the_account_is_whole(record: FlightRecord) -> None:
+    # Two lines of facts above a map as high: the panel beneath becomes lower in a layout.
+    d = record.plan.scenario.dimension
+    workspace = Workspace(np.array([-3.0, -2.0, -2.0])[:d], np.array([13.0, 11.0, 11.0])[:d])
+    plan = replace(record.plan, scenario=replace(record.plan.scenario, workspace=workspace))
+    settings = replace(record.settings, replan="certified")
+    for remaining in (0.05, 0.092, 0.1, 0.104, 0.22):
+        rows = tuple(replace(row, wealth=remaining, bank=remaining) for row in record.rows)
+        shown = replace(record, plan=plan, settings=settings, rows=rows)
+        figure = radmpc.plot_flight(shown).figure
+        figure.draw_without_rendering()
+        beneath = figure.axes[1].yaxis
+        label = beneath.label.get_window_extent()
+        assert label.x0 >= 0.0
+        assert not any(label.overlaps(t.get_window_extent()) for t in beneath.get_ticklabels())
 
 
 def test_the_mission_that_hit_something_is_the_one_that_is_shown(record: FlightRecord) -> None:

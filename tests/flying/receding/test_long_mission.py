@@ -146,7 +146,8 @@ def test_a_mission_without_a_next_window_flies_the_last_one_to_its_end() -> None
     with pytest.raises(ArgumentError, match=f"^{end}$"):
         mission.step(flight.states[-1])
     assert repr(mission) == (
-        "LongMission('paper-1-1': stranded after 8 steps; wealth 0.05 of Δ = 0.05; no collision)"
+        "LongMission('paper-1-1': stranded after 8 steps; remaining risk 0.05 of Δ = 0.05; "
+        "no collision)"
     )
     # Asked for the next window at steps 5 to 8, and for better ones of its own at every step.
     assert asked.count(8) == 6

@@ -15,14 +15,17 @@ from radmpc.flying.tick import Contact
 
 def test_a_mission_is_shown_in_one_line() -> None:
     mission = Mission(waiting(beside_a_wall()), planner=None)
-    assert repr(mission) == "Mission('wall': step 0 of 10; wealth 0.05 of Δ = 0.05; no collision)"
+    assert (
+        repr(mission)
+        == "Mission('wall': step 0 of 10; remaining risk 0.05 of Δ = 0.05; no collision)"
+    )
     fly(mission, Model(mission.scenario, 3))
-    assert repr(mission).startswith("Mission('wall': over after 10 steps; wealth 0.0")
+    assert repr(mission).startswith("Mission('wall': over after 10 steps; remaining risk 0.0")
     struck = Mission(waiting(beside_a_wall()), planner=None)
     struck.step([v.start for v in struck.scenario.vehicles])
     hit = [Contact(1, "obstacle", "v", "wall")]
     struck.step([v.start for v in struck.scenario.vehicles], contacts=hit)
-    assert repr(struck).startswith("Mission('wall': step 2 of 10; wealth 0.0")
+    assert repr(struck).startswith("Mission('wall': step 2 of 10; remaining risk 0.0")
     assert repr(struck).endswith("; something was hit)")
 
 
@@ -32,10 +35,12 @@ def test_a_long_mission_is_shown_in_one_line() -> None:
         scenario, window=8, overlap=3, guide=straight(scenario), planner=steering, warm=False
     )
     assert repr(mission) == (
-        "LongMission('paper-1-1': step 0 of 24; wealth 0.05 of Δ = 0.05; no collision)"
+        "LongMission('paper-1-1': step 0 of 24; remaining risk 0.05 of Δ = 0.05; no collision)"
     )
     fly(mission, Model(scenario, 2))
-    assert repr(mission).startswith("LongMission('paper-1-1': over after 24 steps; wealth 0.0")
+    assert repr(mission).startswith(
+        "LongMission('paper-1-1': over after 24 steps; remaining risk 0.0"
+    )
 
 
 def test_a_mission_tells_why_it_has_no_next_window() -> None:

@@ -29,7 +29,7 @@ export function alarmed(flight: FlightState): readonly (TickView & { readonly al
 /** The account of Δ over time [s]: what is left, where it was planned anew, Δ itself. */
 export function accountLines(flight: FlightState, dt: number): readonly Line[] {
   const left = flight.ticks.map((tick): [number, number] => [tick.step * dt, tick.left]);
-  const bought = flight.ticks.filter((tick) => tick.isReplan);
+  const adopted = flight.ticks.filter((tick) => tick.isReplan);
   const lines: Line[] = [
     { name: "left of Δ", points: left, color: "--accent", look: "area" },
     {
@@ -40,8 +40,8 @@ export function accountLines(flight: FlightState, dt: number): readonly Line[] {
       dashed: true,
     },
   ];
-  if (bought.length > 0) {
-    lines.push({ name: "planned anew", points: bought.map((tick) => [tick.step * dt, tick.left]), color: "--text", look: "dots" });
+  if (adopted.length > 0) {
+    lines.push({ name: "planned anew", points: adopted.map((tick) => [tick.step * dt, tick.left]), color: "--text", look: "dots" });
   }
   return lines;
 }

@@ -167,7 +167,7 @@ function Account({ flight, dt, time }: FlightProps & { flight: FlightState }) {
       <Facts
         rows={[
           ["Left of Δ", leftOf(flight.riskBound, last.left)],
-          ["Spent", percent(last.spent)],
+          ["Used", percent(last.spent)],
           ["Δ", bound(flight.riskBound)],
           ["New plans", String(replans(flight).length)],
         ]}
@@ -205,7 +205,7 @@ function Moment(props: FlightProps & { flight: FlightState; tick: TickView; step
       <Facts
         rows={[
           ["Left of Δ", leftOf(flight.riskBound, tick.left)],
-          ["Spent", percent(tick.spent)],
+          ["Used", percent(tick.spent)],
           ["Took", duration(tick.milliseconds)],
         ]}
       />

@@ -1,4 +1,4 @@
-/** Time: scrubber, play, and where in time risk is spent. */
+/** Time: scrubber, play, and where in time the risk is. */
 
 import { memo } from "./memo";
 import { useMemo } from "preact/hooks";

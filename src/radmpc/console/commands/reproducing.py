@@ -98,7 +98,8 @@ def run_reproduction(request: StudyRequest) -> int:
 
     with drawing(request.out):
         written = write_report(study, rows, request.out)
-    for skipped in (m for m in chosen.methods if not m.is_available):
+    methods = chosen.recorded({row.method for row in rows}).methods
+    for skipped in (m for m in methods if not m.is_available):
         show(f"left out: {skipped.name} (package {skipped.package} is not installed)")
     show(f"{count_text(len(rows), 'row')} in {path}", *(f"written: {file}" for file in written))
     if was_interrupted:

@@ -180,7 +180,7 @@ def _alarms(record: FlightRecord, summary: FlightSummary) -> Text | str:
 def _account(mission: FlownMission) -> Table:
     """Return the account, a line per tick."""
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    for name in ("step", "tail", "wealth", "price", "bank"):
+    for name in ("step", "tail", "remaining", "candidate", "unallocated"):
         table.add_column(name, no_wrap=True, justify="right")
     table.add_column("flown", no_wrap=True)
     for row in mission.rows:

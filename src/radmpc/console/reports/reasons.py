@@ -26,7 +26,7 @@ _MOST_REASONS = 4
 _MOST_LIMITS = 4
 """Limits in use, and vehicles at one of them, that a report lists; the rest is counted."""
 
-_SPENT = 0.97
+_USED = 0.97
 """Share of the risk bound beyond which it counts as used up."""
 
 _MUCH_LEFT = 0.15
@@ -117,8 +117,8 @@ def limits_text(plan: Plan) -> str:
     texts = []
     certified, bound = plan.risk.certified, plan.risk.bound
     # A planner that exceeds the bound was not held up by it.
-    if certified is not None and _SPENT * bound <= certified <= bound:
-        texts.append(f"the risk bound ({100.0 * certified / bound:.0f} % of it spent)")
+    if certified is not None and _USED * bound <= certified <= bound:
+        texts.append(f"the risk bound ({100.0 * certified / bound:.0f} % of it used)")
     alike: dict[tuple[str, int], list[str]] = {}
     for limit in tight_limits(plan):
         alike.setdefault((limit.limit, limit.num_steps), []).append(limit.vehicle)
@@ -156,7 +156,7 @@ def cost_text(plan: Plan) -> str:
     if cost < bound - _ROUNDING * abs(bound):
         return (
             f"{cost:.6g} (below {bound:.6g}, the least of plans whose union bound is within the "
-            "risk bound: the certificate, which is tighter, lets this one spend more)"
+            "risk bound: the certificate, which is tighter, lets this one use more)"
         )
     return f"{cost:.6g} (lower bound {bound:.6g}, gap {percent(_gap(cost, bound))})"
 
@@ -189,7 +189,7 @@ def left_over_text(plan: Plan) -> str | None:
     share = f"{100.0 * left:.0f} % of the bound"
     if is_free:
         return (
-            f"{share}: spending it would not make the plan cheaper, the paths to the goals and the "
+            f"{share}: using it would not make the plan cheaper, the paths to the goals and the "
             "limits of the vehicles cost as much anyway"
         )
     return (
@@ -230,7 +230,7 @@ def _no_price(plan: Plan) -> str:
     if certified is None or plan.lower_bound is None or 1.0 - certified / bound <= _MUCH_LEFT:
         return "the search ended before it had proven anything at a price of risk"
     if plan.status is not Status.OPTIMAL:
-        return "the search ended before it was known whether spending more would save anything"
+        return "the search ended before it was known whether using more would save anything"
     return "the union bounds that the search counts by are used up, the risk bound is not"
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from importlib.util import find_spec
 
 from radmpc.experiments.study.trial import Task
@@ -99,6 +99,17 @@ class Study:
             for method in self.available
             if seed < method.seeds and n in (method.sizes or self.sizes)
         )
+
+    def recorded(self, names: Collection[str]) -> Study:
+        """Return the same study, in which methods that ran elsewhere count as available.
+
+        Parameters
+        ----------
+        names : collection of str
+            Methods with rows; their packages are needed no more.
+        """
+        methods = (replace(m, package=None) if m.name in names else m for m in self.methods)
+        return replace(self, methods=tuple(methods))
 
     def only(self, names: Sequence[str]) -> Study:
         """Return the same study of some methods."""

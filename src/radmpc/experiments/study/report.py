@@ -32,7 +32,7 @@ def write_report(
     study : Study
         What was to be done.
     rows : sequence of Row
-        What was done; rows of other studies are left out.
+        What was done, here or elsewhere; rows of other studies are left out.
     folder : Path
         Folder to write to.
     progress : callable or None
@@ -44,6 +44,7 @@ def write_report(
         What was written, the report first.
     """
     tell = progress or (lambda name: None)
+    study = study.recorded({row.method for row in rows})
     keys = {task.key for task in study.tasks()}
     known = list({row.key: row for row in rows if row.key in keys}.values())
     summaries = summarize(known, study.risk_bound)

@@ -125,7 +125,7 @@ class LongMission:
 
     @property
     def account(self) -> tuple[Entry, ...]:
-        """Every change of the account, in order; its bank holds the reserve."""
+        """Every change of the account, in order; the reserve counts as unallocated (`bank`)."""
         return tuple(self._entries)
 
     @property

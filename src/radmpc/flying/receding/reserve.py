@@ -1,8 +1,9 @@
 r"""What is left of a long mission's risk bound: windows are given shares of one account.
 
-A window is a mission of its own, with a bound Δ' of its own and wealth W that never grows on
-average. The long mission's wealth is W and a *reserve* R that no window has; when a window is given
-up for the next one, all of it is one sum again, of which the next window is given a share:
+A window is a mission of its own, with a bound Δ' of its own and remaining risk W that never grows
+on average. What remains of the long mission's is W and a *reserve* R that no window has; when a
+window is given up for the next one, all of it is one sum again, of which the next window is given a
+share:
 
 .. math:: R := W + R - \Delta', \qquad \Delta' \le W + R .
 
@@ -36,7 +37,7 @@ class Reserve:
         Parameters
         ----------
         wealth : float
-            Of the window that is given up [-].
+            Remaining risk of the window that is given up [-].
         window, left : int
             Steps of the next window, and to the end of the mission.
         most : float
@@ -55,7 +56,7 @@ class Reserve:
         Parameters
         ----------
         wealth : float
-            Of the window that is given up [-].
+            Remaining risk of the window that is given up [-].
         bound : float
             Δ' of the next one [-].
 

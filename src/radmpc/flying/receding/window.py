@@ -38,7 +38,7 @@ class Handover:
     squares : tuple of (float, int, Scale)
         What speaks against the model: see `radmpc.flying.sensing.alarms.Watcher`.
     wealth : float
-        Of the account [-].
+        Remaining risk, by the account [-].
     visits : tuple of int
         Of each vehicle, visits of the window that are not made yet.
     arrived : tuple of bool

@@ -1,6 +1,6 @@
 """The account of a mission recomputed from its rows alone: what they state is compared, not used.
 
-Legs, values, prices, wealth and controls follow from the plan, the measured states and the controls
+Legs, values, risks and controls follow from the plan, the measured states and the controls
 of the legs that were adopted. A change of a file requires changing all that follows from it.
 """
 
@@ -174,7 +174,7 @@ def _tick(row: TickRow, way: tuple[Segment, ...]) -> Tick:
 def _adopt(
     state: Recomputation, row: TickRow, at: tuple[Sequence[Vector], Evidence], where: str
 ) -> None:
-    """Buy the leg of a row, if its price is within the wealth; evidence is that before the row."""
+    """Adopt the leg of a row, if what remains allows it; evidence is that before the row."""
     if row.leg is None:
         return
     known, before = at
@@ -200,7 +200,9 @@ def _adopt(
     try:
         state.account = state.account.adopted(price)
     except RiskError as error:
-        state.problems.append(f"{where}: the leg that was adopted was not affordable: {error}")
+        state.problems.append(
+            f"{where}: the leg that was adopted was not within the remaining risk: {error}"
+        )
         state.account = Account(state.account.risk_bound, price, 0.0)
     state.leg = leg
     state.enter(row.step, "adopted", price)

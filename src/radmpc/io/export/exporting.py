@@ -148,6 +148,14 @@ def export_plan(
         the place on earth is missing.
     FileFormatError
         If the format's library is missing.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), rng=0).require()
+    >>> [str(path) for path in radmpc.export_plan(plan, "csv", "fleet.csv").files]
+    ['fleet.csv']
     """
     check_plan(plan)
     check_path(path)

@@ -135,9 +135,9 @@ class TickRow:
     value, price, next_step : float or None
         As in `radmpc.Tick` [-].
     wealth : float
-        What another leg might have cost [-].
+        Remaining risk: what another leg might have risked [-].
     tail, bank : float
-        The account after the decision [-].
+        Risk of the leg in the air, and unallocated risk, after the decision [-].
     controls : tuple of (m,) array
         What is flown until the next step; empty at the end.
     excess : float

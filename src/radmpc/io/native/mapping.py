@@ -71,6 +71,13 @@ def from_dict(data: Mapping[str, object]) -> Scenario | Plan:
     ScenarioError
         If the format is neither of the two, or anything is missing, unknown or not allowed; its
         path says where in the data.
+
+    Examples
+    --------
+    >>> from radmpc.experiments.families import paper
+    >>> data = to_dict(paper(2, seed=1)) | {"risk_bound": 0.01}
+    >>> from_dict(data).risk_bound
+    0.01
     """
     if not isinstance(data, Mapping):
         raise ScenarioError(f"must be a mapping, got {value_text(data)}")

@@ -95,6 +95,18 @@ def save_plan(plan: Plan, path: str | os.PathLike[str]) -> None:
         If the scenario holds what no file can, see `encode_scenario`.
     OSError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), rng=0).require()
+    >>> with TemporaryDirectory() as folder:
+    ...     radmpc.save_plan(plan, Path(folder) / "fleet.plan.json")
+    ...     radmpc.load_plan(Path(folder) / "fleet.plan.json").cost == plan.cost
+    True
     """
     check_plan(plan)
     check_path(path)

@@ -56,6 +56,14 @@ def load_scenario(
         With one line that names file, line, field, value and what is allowed.
     ScenarioError
         If a change is no value of a key that there can be.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from importlib.resources import files
+    >>> harbor = files("radmpc") / "data" / "harbor.yaml"
+    >>> radmpc.load_scenario(harbor, {"risk_bound": 0.01, "vehicles.tug.radius": 0.5})
+    Scenario('harbor', 5 vehicles, 3 obstacles, 12 steps of 1 s, risk bound 0.01)
     """
     check_path(path)
     document = read_scenario_document(path)
@@ -116,6 +124,17 @@ def save_scenario(scenario: Scenario, path: str | os.PathLike[str]) -> None:
         If the scenario holds what no file can, see `encode_scenario`.
     OSError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from radmpc.experiments.families import paper
+    >>> with TemporaryDirectory() as folder:
+    ...     radmpc.save_scenario(paper(2, seed=1), Path(folder) / "fleet.yaml")
+    ...     radmpc.load_scenario(Path(folder) / "fleet.yaml")
+    Scenario('paper-2-1', 2 vehicles, 3 obstacles, 10 steps of 1 s, risk bound 0.05)
     """
     check_scenario(scenario)
     check_path(path)

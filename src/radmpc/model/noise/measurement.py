@@ -31,6 +31,15 @@ class Measurement(Frozen):
     covariance : (p, p) array
         Covariance R of the noise v, new at every step, positive semi-definite. One number or a
         diagonal is taken as well.
+
+    Examples
+    --------
+    A receiver that is good to 2 m per axis, on a double integrator in the plane:
+
+    >>> import radmpc
+    >>> receiver = radmpc.Measurement([[1, 0, 0, 0], [0, 1, 0, 0]], 2.0**2)
+    >>> receiver.covariance.tolist()
+    [[4.0, 0.0], [0.0, 4.0]]
     """
 
     matrix: Matrix

@@ -36,6 +36,15 @@ class SharedDisturbance(Frozen):
         as well.
     correlation : float
         Correlation of d at consecutive steps, from 0 (new at every step) to below 1.
+
+    Examples
+    --------
+    One wind for the whole fleet, of 0.1 m/s per step and axis:
+
+    >>> import radmpc
+    >>> push = [[0.5, 0.0], [0.0, 0.5], [1.0, 0.0], [0.0, 1.0]]  # on positions and velocities
+    >>> radmpc.SharedDisturbance("wind", push, 0.1**2).covariance.round(9).tolist()
+    [[0.01, 0.0], [0.0, 0.01]]
     """
 
     name: str

@@ -23,6 +23,12 @@ class Keep:
         Their names.
     within : float
         Largest distance of their centers [m], > 0, at steps and between them as collisions count.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> radmpc.Keep(["lead", "wing"], 40.0)
+    Keep(vehicles=('lead', 'wing'), within=40.0)
     """
 
     vehicles: tuple[str, str]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
+
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -27,8 +29,10 @@ __all__ = [
     "fill",
     "new_axes",
     "new_figure",
+    "numbers_of",
     "points_per_unit",
     "ratio_in_space",
+    "run_layout",
     "settle_axes",
     "settle_layout",
     "zoom_to",
@@ -158,7 +162,8 @@ def settle_axes(ax: Axes, extent: Matrix, plane: Plane = ABOVE) -> None:
     ax.set_ylim(*extent[:, up])
     ax.set_xlabel(f"{'xyz'[across]} [m]", fontsize=LABEL_SIZE, labelpad=1.0)
     ax.set_ylabel(f"{'xyz'[up]} [m]", fontsize=LABEL_SIZE, labelpad=1.0)
-    ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
+    with numbers_of(ax):
+        ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
     in_space = [ax.zaxis] if isinstance(ax, Axes3D) else []
     for axis in (ax.xaxis, ax.yaxis, *in_space):
         # Far from the origin ticks have something in common, which matplotlib writes large.
@@ -195,9 +200,33 @@ def settle_layout(ax: Axes) -> None:
     figure = ax.get_figure(root=True)
     if figure is None:
         return
-    figure.draw_without_rendering()
+    run_layout(figure)
     if isinstance(ax, Axes3D):
         fill(ax)
+
+
+def run_layout(figure: Figure) -> None:
+    """Lay a figure out; numbers at its axes are formulas where its owner's are, as powers of ten.
+
+    Parameters
+    ----------
+    figure : Figure
+        Other panels of it may be a user's: labels are made while it is laid out, and stay.
+    """
+    with numbers_of(*figure.axes):
+        figure.draw_without_rendering()
+
+
+def numbers_of(*axes: Axes) -> AbstractContextManager[None]:
+    """Return settings by which numbers are written as they are at axes, and not as names.
+
+    Parameters
+    ----------
+    *axes : Axes
+        Their own headlines, made with them, tell whether a dollar begins a formula.
+    """
+    parsed = any(ax.title.get_parse_math() for ax in axes)
+    return rc_context({"text.parse_math": parsed})
 
 
 def fill(ax: Axes3D, cell: Bbox | None = None) -> None:

@@ -22,8 +22,9 @@ _GROWTH = 1.3
 """How much wider than before the layout one of several axes may be, with what is beside it [-]."""
 
 
-PLAIN: dict[Any, Any] = {"text.parse_math": False}
-"""Settings of matplotlib for texts with names: a dollar in them begins no formula."""
+PLAIN: dict[Any, Any] = {"text.parse_math": False, "axes.formatter.use_mathtext": False}
+"""Settings of matplotlib for texts with names: a dollar in them begins no formula, so that numbers
+at axes are none, either."""
 
 
 def write_headline(ax: Axes, name: str, ending: str = "") -> None:

@@ -20,7 +20,14 @@ from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.artists.legend import draw_film_legend, num_film_legend_lines
 from radmpc.plotting.canvas.extent import plan_extent
-from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
+from radmpc.plotting.canvas.figure import (
+    cell_of,
+    check_axes,
+    fill,
+    new_axes,
+    settle_axes,
+    settle_layout,
+)
 from radmpc.plotting.canvas.headline import PLAIN, cut_headline
 from radmpc.plotting.canvas.space_labels import board_of
 from radmpc.plotting.canvas.style import LABEL_SIZE, MUTED, vehicle_colors
@@ -165,6 +172,9 @@ def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
         cut_headline(axes)
         # Laid out once: a layout per frame would take longer than the frames.
         figure.set_layout_engine("none")
+        if isinstance(axes, Axes3D):
+            # Nothing stands beside it: the scene takes all of its cell, not a square of it alone.
+            fill(axes, cell_of(axes))
     scenario = plan.scenario
     colors = vehicle_colors([v.name for v in scenario.vehicles], plan.sets)
     board = board_of(axes)

@@ -13,14 +13,14 @@ __all__ = ["draw_account"]
 
 
 def draw_account(ax: Axes, record: FlightRecord, mission: FlownMission) -> None:
-    """Draw what was left of Δ over time: the bank, the tail on top of it, and new legs.
+    """Draw what was left of Δ over time: unallocated risk, the tail on top of it, and new legs.
 
     Parameters
     ----------
     ax : Axes
         With limits.
     record : FlightRecord
-        All missions, whose wealth is drawn thinly.
+        All missions, of which the remaining risk is drawn thinly.
     mission : FlownMission
         The one whose account is filled.
     """
@@ -34,14 +34,15 @@ def draw_account(ax: Axes, record: FlightRecord, mission: FlownMission) -> None:
     bank = np.array([row.bank for row in mission.rows])
     tail = np.array([row.tail for row in mission.rows])
     ax.fill_between(times, 0.0, bank, step="post", color=PALETTE[2], alpha=0.35, linewidth=0.0,
-                    label="bank", gid="bank")  # fmt: skip
+                    label="unallocated", gid="bank")  # fmt: skip
     ax.fill_between(times, bank, bank + tail, step="post", color=PALETTE[0], alpha=0.45,
-                    linewidth=0.0, label="the leg in the air", gid="tail")  # fmt: skip
-    ax.step(times, bank + tail, where="post", color="#222222", linewidth=0.8, label="wealth",
-            gid="wealth")  # fmt: skip
-    bought = [row for row in mission.rows if row.leg is not None]
-    if bought:
-        ax.plot([row.step * scenario.dt for row in bought], [row.bank + row.tail for row in bought],
+                    linewidth=0.0, label="leg in the air", gid="tail")  # fmt: skip
+    ax.step(times, bank + tail, where="post", color="#222222", linewidth=0.8,
+            label="remaining risk", gid="wealth")  # fmt: skip
+    adopted = [row for row in mission.rows if row.leg is not None]
+    if adopted:
+        remaining = [row.bank + row.tail for row in adopted]
+        ax.plot([row.step * scenario.dt for row in adopted], remaining,
                 linestyle="none", marker="o", markersize=2.6, color="#222222", label="new leg",
                 gid="bought")  # fmt: skip
     ax.axhline(scenario.risk_bound, color=ALERT, linewidth=0.7, linestyle=(0, (4, 2)), gid="bound")

@@ -35,6 +35,9 @@ MOST_PATHS = 200
 _ACCOUNT = 1.05
 """Height of the account's panel [in]."""
 
+_NUMBERS = 5
+"""Intervals between the numbers beside the account, at most [-]."""
+
 _AROUND = 1.25
 """Height of titles, ticks, labels and legends of both panels [in]."""
 
@@ -146,5 +149,7 @@ def _settle_account(ax: Axes, record: FlightRecord) -> None:
     ax.set_xlabel("time [s]", fontsize=LABEL_SIZE, labelpad=1.0)
     ax.set_ylabel("risk [-]", fontsize=LABEL_SIZE, labelpad=1.0)
     ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
+    # As many numbers at any height: a layout knows how wide they are before it gives the panel its.
+    ax.yaxis.set_major_locator(MaxNLocator(_NUMBERS))
     for spine in ax.spines.values():
         spine.set_linewidth(0.5)

@@ -10,7 +10,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.columns import columns_within
-from radmpc.plotting.canvas.figure import DPI
+from radmpc.plotting.canvas.figure import DPI, numbers_of
 from radmpc.plotting.canvas.style import COLUMN_WIDTH, LABEL_SIZE, MUTED, TICK_SIZE
 
 __all__ = [
@@ -58,8 +58,9 @@ def settle_part(ax: Axes, heading: str, xlabel: str) -> Text:
     """
     title = ax.set_title(heading, loc="left", fontsize=LABEL_SIZE, pad=3.0)
     ax.set_xlabel(xlabel, fontsize=LABEL_SIZE, labelpad=1.0)
-    ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
-    ax.tick_params(axis="y", length=0.0)
+    with numbers_of(ax):
+        ax.tick_params(axis="x", labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
+    ax.tick_params(axis="y", labelsize=TICK_SIZE, length=0.0, width=0.5, pad=1.5)
     for side, spine in ax.spines.items():
         spine.set_linewidth(0.5)
         spine.set_visible(side in {"left", "bottom"})

@@ -11,7 +11,7 @@ from radmpc.arrays import Matrix
 from radmpc.model.given import check_plan
 from radmpc.model.ledger import CAUSES
 from radmpc.model.plan import Plan
-from radmpc.plotting.canvas.figure import check_axes
+from radmpc.plotting.canvas.figure import check_axes, numbers_of
 from radmpc.plotting.canvas.headline import PLAIN, write_headline
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE
 from radmpc.plotting.risk.ledger_looks import draw_key, new_column, say_nothing, settle_part
@@ -41,7 +41,8 @@ def plot_risk(plan: Plan, ax: Axes | None = None) -> Axes:
     check_plan(plan)
     check_axes(ax, 2)
     axes = new_column(_HEIGHT).add_subplot() if ax is None else ax
-    settle_part(axes, "", "time [s]")
+    with numbers_of(axes):
+        settle_part(axes, "", "time [s]")
     write_headline(axes, plan.scenario.name, ": risk over time")
     if plan.risk.certified is None or not plan.risk.ledger:
         return say_nothing(axes, plan)

@@ -46,6 +46,15 @@ class Simulation:
         Upper bound on the probability of everything that was too unlikely to be tested [-].
     range_losses : int
         Samples in which two vehicles lose the range that they keep.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), rng=0).require()
+    >>> seen = radmpc.simulate(plan, 2_000, rng=0)
+    >>> seen.samples, seen.rate_low <= seen.rate <= seen.rate_high
+    (2000, True)
     """
 
     samples: int

@@ -31,8 +31,8 @@ def tick_view(row: TickRow, scenario: Scenario, risk_bound: float) -> TickView:
     -------
     TickView
         Empty states where nothing was measured. What is left is what the account holds, the
-        conditional risk of what is flown and the bank; a lucky moment gives some back, a push may
-        lift it above Δ, and rounding never does.
+        conditional risk of what is flown and the unallocated risk; a lucky moment gives some back,
+        a push may lift it above Δ, and rounding never does.
     """
     rounding = Rounding.of(*extent_of(scenario))
     left = float(f"{row.tail + row.bank:.5g}")

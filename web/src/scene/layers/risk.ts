@@ -1,4 +1,4 @@
-/** Where Δ is spent: a sign at each place, its area the share of Δ, labeled when pointed at. */
+/** Where Δ is used: a sign at each place, its area the share of Δ, labeled when pointed at. */
 
 import type { LedgerLine, PlanView } from "../../protocol";
 import { between, CAUSES } from "../../panels/ledger";
@@ -17,7 +17,7 @@ const MOST = 400;
 const WHOLE = 26;
 const LEAST = 3;
 
-/** A place where some of Δ is spent. */
+/** A place where some of Δ is used. */
 export interface RiskMark {
   readonly line: LedgerLine;
   readonly x: number;
