@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from radmpc.arguments import check_path
+from radmpc.arguments import check_kind, check_path
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.native.changes import changed
 from radmpc.io.native.decoding import decode_scenario
@@ -58,6 +58,8 @@ def load_scenario(
         If a change is no value of a key that there can be.
     """
     check_path(path)
+    if changes is not None:
+        check_kind(changes, Mapping, "changes", "a mapping of values by key or None")
     document = read_scenario_document(path)
     content, places = changed(document.value, {} if changes is None else changes)
     try:
