@@ -35,18 +35,15 @@ __all__ = [
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether a value is a real number, of Python's or numpy's; a bool is none, nan is one."""
-    return isinstance(value, Real) and not isinstance(value, bool)
+    """Whether a value is a real number that a float holds; no bool and no span of time, but nan."""
+    if not isinstance(value, Real) or isinstance(value, (bool, np.timedelta64)):
+        return False
+    return not isinstance(value, Integral) or abs(int(value)) <= sys.float_info.max
 
 
 def is_integer(value: object) -> TypeGuard[int]:
-    """Whether a value is an integer, of Python's or numpy's; neither a bool nor 10.0 is."""
-    return isinstance(value, Integral) and not isinstance(value, bool)
-
-
-def is_beyond_float(value: float) -> bool:
-    """Whether a number is an integer too large for a float."""
-    return is_integer(value) and abs(int(value)) > sys.float_info.max
+    """Whether a value is an integer, of Python's or numpy's; no bool, span of time, or 10.0."""
+    return isinstance(value, Integral) and not isinstance(value, (bool, np.timedelta64))
 
 
 def check_kind(
@@ -157,11 +154,15 @@ def check_path(path: object, name: str = "path") -> None:
     ArgumentTypeError
         If it is neither text nor a path.
     FileFormatError
-        If it holds a NUL, which no name of a file does.
+        If it holds a NUL or half a character, which no name of a file does.
     """
     check_kind(path, (str, os.PathLike), name, "the name of a file (str or Path)")
     if "\0" in str(path):
         raise FileFormatError(f"{value_text(str(path))}: is no file name: it holds a NUL")
+    try:
+        os.fsencode(str(path))
+    except UnicodeEncodeError as error:
+        raise FileFormatError(f"{str(path)!a:.60}: is no file name: half a character") from error
 
 
 def check_rng(rng: object) -> None:
@@ -198,7 +199,7 @@ def check_time_limit(seconds: object) -> None:
     allowed = "a number of seconds >= 0 or None"
     if not is_number(seconds):
         raise ArgumentTypeError(f"time_limit must be {allowed}, got {value_text(seconds)}")
-    if not 0.0 <= seconds <= math.inf or is_beyond_float(seconds):
+    if not 0.0 <= seconds <= math.inf:
         raise ArgumentError(f"time_limit must be {allowed}, got {value_text(seconds)}")
 
 
@@ -217,7 +218,7 @@ def field_number(value: object, path: tuple[str | int, ...]) -> float:
     ScenarioError
         If it is no number.
     """
-    if not is_number(value) or is_beyond_float(value):
+    if not is_number(value):
         raise ScenarioError(f"must be a number, got {value_text(value)}", path)
     return float(value)
 
@@ -288,7 +289,7 @@ def check_word(value: object, words: Collection[str], name: str) -> None:
 
 
 def field_text(value: object, path: tuple[str | int, ...]) -> None:
-    """Refuse a name that is no text, with a `ScenarioError`.
+    """Refuse what is no text, with a `ScenarioError`.
 
     Parameters
     ----------

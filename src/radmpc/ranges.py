@@ -5,16 +5,19 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_number, value_text
+from radmpc.arguments import field_integer, field_number, value_text
 from radmpc.errors import ScenarioError
 
-__all__ = ["LARGEST", "LEAST", "check_range", "check_size", "sized"]
+__all__ = ["LARGEST", "LEAST", "check_range", "check_size", "check_steps", "sized"]
 
 LARGEST = 1e9
 """Largest magnitude of a number of a scenario: beyond, squares and solvers lose all digits."""
 
 LEAST = 1e-100
 """Smallest of those that must be above zero: of much smaller ones the square is 0."""
+
+_MOST_STEPS = 1_000_000
+"""Steps of a horizon beyond which not even its scenario is made [-]."""
 
 _LEAST_SIZE, _MOST_SIZE = 1e-6, 1e6
 
@@ -48,6 +51,34 @@ def check_range(value: float, unit: str, path: tuple[str | int, ...]) -> float:
         allowed = f"must lie between {_LEAST_SIZE:g} and {_MOST_SIZE:g}"
         raise ScenarioError(f"{allowed} {unit}, got {value}", path)
     return value
+
+
+def check_steps(horizon: int) -> int:
+    """Return a horizon; refuse one without steps, or with more than memory holds.
+
+    Parameters
+    ----------
+    horizon : int
+        What was given.
+
+    Returns
+    -------
+    int
+        Python's.
+
+    Raises
+    ------
+    ScenarioError
+        With what is allowed.
+    """
+    path = ("horizon",)
+    horizon = field_integer(horizon, path)
+    if horizon < 1:
+        raise ScenarioError(f"must be at least 1 step, got {horizon}", path)
+    if horizon > _MOST_STEPS:
+        text = f"must be at most {_MOST_STEPS} steps, got {value_text(horizon)}"
+        raise ScenarioError(text, path)
+    return horizon
 
 
 def check_size(value: float, path: tuple[str | int, ...], most: float = LARGEST) -> None:

@@ -231,6 +231,16 @@ def test_a_fleet_of_mixed_logs_is_refused() -> None:
         identify([track, bare])
 
 
+def test_a_number_that_no_vehicle_has_is_refused_with_its_place() -> None:
+    times, places = [0.0, 1.0], [[0.0, 0.0], [1.0, 1e10]]
+    with pytest.raises(ScenarioError, match=r"positions\[1\]\[1\]: must be at most 1000000000"):
+        Track("tug", "log.csv", "one", times, places)
+    with pytest.raises(ScenarioError, match=r"controls\[0\]\[0\]: must be at least -1000000000"):
+        Track("tug", "log.csv", "one", times, np.zeros((2, 2)), controls=[[-1e99, 0], [0, 0]])
+    missing = Track("tug", "log.csv", "one", times, [[np.nan, np.inf], [0.0, 1e9]])
+    assert missing.positions[1, 1] == 1e9
+
+
 def test_too_few_axes_are_refused() -> None:
     with pytest.raises(FileFormatError, match="has 2 axes, and 3 are needed"):
         identify([flight()], dimension=3)

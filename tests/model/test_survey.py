@@ -65,6 +65,8 @@ def test_every_piece_of_a_line_that_leaves_the_area_is_flown() -> None:
         ({"half_width": -1.0}, "survey.half_width: must be >= 0 m"),
         ({"altitude": 3.0}, "survey.altitude: must be left out in the plane, got 3"),
         ({"spacing": 0.01}, "survey: must have at most 200 visits with those of via, got"),
+        ({"spacing": 1e-8}, "survey.spacing: must leave at most 10,000 lines over an area 9 m"),
+        ({"spacing": 5e-324}, "survey.spacing: must leave at most 10,000 lines over an area 9 m"),
     ],
 )
 def test_surveys_in_files_become_visits_or_are_refused(changes, told: str) -> None:

@@ -10,7 +10,15 @@ from pathlib import Path
 
 from radmpc.errors import RadmpcError
 
-__all__ = ["DEMO_NAME", "OutputError", "check_output", "check_separate", "demo_text", "writing"]
+__all__ = [
+    "DEMO_NAME",
+    "OutputError",
+    "check_output",
+    "check_separate",
+    "demo_text",
+    "file_of",
+    "writing",
+]
 
 DEMO_NAME = "harbor"
 
@@ -41,6 +49,22 @@ def check_output(path: Path | None) -> None:
             raise _failure(errno.EACCES, path.parent)
 
 
+def file_of(path: Path) -> Path:
+    """Return a path without links; one that leads in a circle is refused when it is opened.
+
+    Parameters
+    ----------
+    path : Path
+        As it was typed.
+
+    Returns
+    -------
+    Path
+        Absolute.
+    """
+    return Path(os.path.realpath(path))
+
+
 def check_separate(source: Path | None, *outputs: Path | None) -> None:
     """Refuse outputs that would replace what is read, or one another.
 
@@ -56,13 +80,14 @@ def check_separate(source: Path | None, *outputs: Path | None) -> None:
     OutputError
         If two of them are one file.
     """
-    taken = {} if source is None else {source.resolve(): "it is what is read"}
+    taken = {} if source is None else {file_of(source): "it is what is read"}
     for path in outputs:
         if path is None or path.is_char_device():
             continue
-        if path.resolve() in taken:
-            raise OutputError(f"cannot write {path}: {taken[path.resolve()]}")
-        taken[path.resolve()] = "something else is written there"
+        file = file_of(path)
+        if file in taken:
+            raise OutputError(f"cannot write {path}: {taken[file]}")
+        taken[file] = "something else is written there"
 
 
 @contextmanager

@@ -126,7 +126,8 @@ def heard(scenario: Scenario, states: States) -> tuple[Vector | None, ...]:
     vehicles = scenario.vehicles
     if states is None:
         return (None,) * len(vehicles)
-    if isinstance(states, str) or not isinstance(states, Mapping | Sequence | np.ndarray):
+    is_listed = isinstance(states, Mapping | Sequence) or np.ndim(states) > 0
+    if isinstance(states, str) or not is_listed:
         raise ArgumentTypeError(f"states must be a sequence of states, got {value_text(states)}")
     if isinstance(states, Mapping):
         missing = [v.name for v in vehicles if v.name not in states]

@@ -119,7 +119,8 @@ class Model:
             If they are not of the scenario's vehicles in its order.
         """
         vehicles = [vehicle.name for vehicle in self._scenario.vehicles]
-        named = [segment.name for segment in segments]
+        parts = segments if isinstance(segments, Sequence) else ()
+        named = [getattr(segment, "name", None) for segment in parts]
         if named != vehicles:
             raise ArgumentError(f"segments must be of {vehicles} in this order, got {named}")
         controls = [segment.control for segment in segments]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.arguments import check_integer
+from radmpc.arguments import check_integer, check_kind
 from radmpc.errors import FileFormatError
 from radmpc.identification.cleaning import clean, without_copies
 from radmpc.identification.commands import command_warning
@@ -117,6 +117,7 @@ def identify(
     asked = None if dt is None else check_range(dt, "s", ("dt",))
     axes = None if dimension is None else check_integer(dimension, "dimension", 2, 3)
     check_tracks(tracks)
+    check_kind(warnings, (list, tuple), "warnings", "a list or tuple of texts")
     told = list(warnings)
     cleaned = _cleaned(tracks, axes, told)
     step = asked or _step(cleaned)

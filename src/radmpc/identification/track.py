@@ -10,6 +10,7 @@ import numpy as np
 from radmpc.arguments import field_text
 from radmpc.arrays import Frozen, Matrix, Vector, frozen
 from radmpc.errors import ArgumentTypeError, FileFormatError, ScenarioError
+from radmpc.ranges import sized
 from radmpc.records import dataclass
 from radmpc.wording import one, value_text
 
@@ -45,7 +46,7 @@ class Track(Frozen):
     Raises
     ------
     ScenarioError
-        If a word is no text, an array holds no numbers, or its shape is another.
+        If a word is no text, an array holds no numbers or some beyond 1e9, or its shape is another.
     """
 
     name: str
@@ -70,13 +71,16 @@ class Track(Frozen):
         for name in self.parts():
             object.__setattr__(self, name, self._entries(name))
             self._check_shape(name)
+            entries = getattr(self, name)
+            # What is not finite is missing.
+            sized(np.where(np.isfinite(entries), entries, 0.0), (name,))
 
     def _entries(self, name: str) -> Matrix:
         """Return a copy of an array, of numbers that may be NaN."""
         given = getattr(self, name)
         try:
             return frozen(np.array(given, dtype=np.float64))
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise ScenarioError(
                 f"must be numbers of equal row length, got {value_text(given)}", (name,)
             ) from error
@@ -164,8 +168,8 @@ def check_tracks(tracks: object) -> None:
         )
     if not isinstance(tracks, Sequence):
         raise ArgumentTypeError(f"{wanted}, got {value_text(tracks)}")
-    other = next((track for track in tracks if not isinstance(track, Track)), None)
-    if other is not None:
-        raise ArgumentTypeError(f"{wanted}, got {one(type(other))} in it")
+    others = [track for track in tracks if not isinstance(track, Track)]
+    if others:
+        raise ArgumentTypeError(f"{wanted}, got {one(type(others[0]))} in it")
     if not tracks:
         raise FileFormatError("the logs hold no vehicle")

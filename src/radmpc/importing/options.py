@@ -66,7 +66,8 @@ class ImportOptions:
             )
         object.__setattr__(self, "layer", tuple(layer))
         if self.horizon is not None and not 1 <= self.horizon <= 1000:
-            raise ScenarioError(f"must be 1 to 1000 steps, got {self.horizon}", ("horizon",))
+            told = value_text(self.horizon)
+            raise ScenarioError(f"must be 1 to 1000 steps, got {told}", ("horizon",))
         if self.agents is not None and self.agents < 1:
             raise ScenarioError(f"must be at least 1 vehicle, got {self.agents}", ("agents",))
         if (

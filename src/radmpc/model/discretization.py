@@ -11,9 +11,10 @@ from math import ceil, log2
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_integer, field_number
+from radmpc.arguments import field_integer, field_number, value_text
 from radmpc.arrays import Matrix, as_axes, as_covariance, as_matrix
 from radmpc.errors import ScenarioError
+from radmpc.ranges import check_range, check_size, sized
 
 __all__ = ["double_integrator_noise", "step_covariance", "white_density"]
 
@@ -84,7 +85,7 @@ def step_covariance(drift: npt.ArrayLike, density: npt.ArrayLike, dt: float) -> 
            [0.005 , 0.01  ]])
     """
     step = _above_zero(dt)
-    F = as_matrix(drift, path=("drift",))
+    F = sized(as_matrix(drift, path=("drift",)), ("drift",))
     n = len(F)
     F = as_matrix(F, (n, n), ("drift",))
     Q = as_covariance(density, n, ("density",))
@@ -139,10 +140,10 @@ def double_integrator_noise(
     """
     step = _above_zero(dt)
     if field_integer(dimension, ("dimension",)) not in (2, 3):
-        raise ScenarioError(f"must be 2 or 3, got {dimension}", ("dimension",))
+        raise ScenarioError(f"must be 2 or 3, got {value_text(dimension)}", ("dimension",))
     densities = []
     for name, given in (("acceleration", acceleration), ("velocity", velocity)):
-        density = as_axes(given, dimension, (name,))
+        density = sized(as_axes(given, dimension, (name,)), (name,))
         if np.any(density < 0.0):
             raise ScenarioError(f"must be >= 0, got {density.tolist()}", (name,))
         densities.append(np.diag(density))
@@ -157,10 +158,7 @@ def double_integrator_noise(
 
 def _above_zero(dt: float) -> float:
     """Return a step, or refuse it."""
-    step = field_number(dt, ("dt",))
-    if not (np.isfinite(step) and step > 0.0):
-        raise ScenarioError(f"must be > 0 s, got {step}", ("dt",))
-    return step
+    return check_range(dt, "s", ("dt",))
 
 
 def _not_negative(value: float, name: str, unit: str) -> float:
@@ -168,4 +166,5 @@ def _not_negative(value: float, name: str, unit: str) -> float:
     number = field_number(value, (name,))
     if not (np.isfinite(number) and number >= 0.0):
         raise ScenarioError(f"must be >= 0{unit}, got {number}", (name,))
+    check_size(number, (name,))
     return number

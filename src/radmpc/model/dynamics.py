@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import check_kind, field_integer, field_parts
+from radmpc.arguments import check_kind, field_integer, field_parts, value_text
 from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_array, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.integrator import integrator_rates
@@ -156,7 +156,7 @@ def double_integrator(dt: float, dimension: int) -> LinearSystem:
     """
     dt = check_range(dt, "s", ("dt",))
     if field_integer(dimension, ("dimension",)) not in (2, 3):
-        raise ScenarioError(f"must be 2 or 3, got {dimension}", ("dimension",))
+        raise ScenarioError(f"must be 2 or 3, got {value_text(dimension)}", ("dimension",))
     eye, zero = np.eye(dimension), np.zeros((dimension, dimension))
     return LinearSystem(
         A=np.block([[eye, dt * eye], [zero, eye]]),

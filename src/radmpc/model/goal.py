@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_number
-from radmpc.arrays import Frozen, Vector, as_axes, as_vector
+from radmpc.arguments import field_integer, field_number
+from radmpc.arrays import Frozen, Vector, as_axes, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.numbers import step_window
 from radmpc.ranges import sized
@@ -156,7 +156,13 @@ class Goal(Frozen):
         -------
         tuple of (int, int)
             Steps.
+
+        Raises
+        ------
+        ScenarioError
+            If the number of steps is none.
         """
+        horizon = field_integer(horizon, ("horizon",))
         return (horizon, horizon) if self.within is None else self.within
 
     def arrival(
@@ -177,11 +183,17 @@ class Goal(Frozen):
         -------
         int or None
             None where it does not arrive within the window.
+
+        Raises
+        ------
+        ScenarioError
+            If a matrix has another shape or is not finite.
         """
-        places = np.asarray(positions, dtype=np.float64)
+        tol = field_number(tol, ("tol",))
+        places = as_matrix(positions, (None, self.lower.size), ("positions",))
         outside = np.any((places < self.lower - tol) | (places > self.upper + tol), axis=1)
         if self.speed is not None and velocities is not None:
-            speeds = np.abs(np.asarray(velocities, dtype=np.float64))
+            speeds = np.abs(as_matrix(velocities, places.shape, ("velocities",)))
             outside |= np.any(speeds > self.speed + tol, axis=1)
         first, last = self.window(len(places) - 1)
         late = np.flatnonzero(outside)

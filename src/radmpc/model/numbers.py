@@ -8,7 +8,7 @@ import numpy.typing as npt
 from radmpc.arguments import field_integer, field_number, field_parts, value_text
 from radmpc.arrays import Matrix, Vector, as_axes, as_matrix
 from radmpc.errors import ScenarioError, all_checked, raise_together
-from radmpc.ranges import LARGEST, LEAST, check_range, check_size
+from radmpc.ranges import LARGEST, LEAST, check_range, check_size, check_steps
 
 __all__ = [
     "check_correlation",
@@ -54,8 +54,10 @@ def check_scenario_numbers(
         check_range(dt, "s", ("dt",))
     except ScenarioError as error:
         found.append(error)
-    if horizon < 1:
-        found.append(ScenarioError(f"must be at least 1 step, got {horizon}", ("horizon",)))
+    try:
+        check_steps(horizon)
+    except ScenarioError as error:
+        found.append(error)
     if not 0.0 < risk_bound < 0.5:
         text = f"must lie between 0 and 0.5, both excluded, got {risk_bound}"
         found.append(ScenarioError(text, ("risk_bound",)))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_text
+from radmpc.arguments import field_parts, field_text
 from radmpc.arrays import Frozen
 from radmpc.errors import ArgumentError
 from radmpc.geometry import Polytope, box, halfspaces, hull
@@ -158,7 +159,8 @@ class Obstacle(Frozen):
             If there is no corner, an outline crosses itself, or holes are not within it.
         """
         points = points_of(vertices, ("vertices",))
-        free = tuple(points_of(hole, ("holes", i)) for i, hole in enumerate(holes))
+        inner: tuple[Any, ...] = field_parts(holes, "a list of outlines", ("holes",))
+        free = tuple(points_of(hole, ("holes", i)) for i, hole in enumerate(inner))
         return cls(name, PolygonShape(points, free), (pieces_of(points, free),))
 
     @classmethod

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from radmpc.arguments import field_number
 from radmpc.arrays import Matrix, Vector, as_axes, as_vector, frozen
 from radmpc.errors import ScenarioError
+from radmpc.ranges import check_size, sized
 
 __all__ = ["track_from_course"]
 
@@ -22,6 +23,10 @@ _FARTHEST = 4.0
 
 _LEAST_COURSE, _FULL_TURN = -180.0, 360.0
 """Least course, and what courses stay below [degrees]: counted from 0, or from -180 to 180."""
+
+
+_STRAIGHT = 1e-12
+"""Deviation of a course below which its arc is a line, to rounding [rad]."""
 
 
 def track_from_course(
@@ -90,13 +95,14 @@ def track_from_course(
     >>> (covariance[[2, 3], [2, 3]] ** 0.5).round(4).tolist()  # along, and across
     [0.0744, 0.176]
     """
-    place = as_vector(position, 2, ("position",))
+    place = sized(as_vector(position, 2, ("position",)), ("position",))
     along = _at_least_zero(speed, "speed", "m/s")
     angle = math.radians(_course(course))
-    spread = as_axes(position_deviation, 2, ("position_deviation",))
+    path = ("position_deviation",)
+    spread = sized(as_axes(position_deviation, 2, path), path)
     if np.any(spread < 0.0):
         text = f"must be >= 0 m, got {spread.tolist()}"
-        raise ScenarioError(text, ("position_deviation",))
+        raise ScenarioError(text, path)
     of_speed = _at_least_zero(speed_deviation, "speed_deviation", "m/s")
     of_course = _at_least_zero(course_deviation, "course_deviation", "degrees")
     if of_course > _WIDEST:
@@ -132,8 +138,8 @@ def _arc(deviation: float) -> tuple[float, float, float]:
     # Exactly as wide as the arc is long, only a circle would hold it: a little more across saves
     # most of what the ends ask for along.
     across = deviation * math.sqrt(1.0 + 0.5 * deviation)
-    if deviation == 0.0:
-        return mean, 0.0, across
+    if deviation < _STRAIGHT:
+        return mean, deviation, across
     many = np.linspace(1.0, _FARTHEST, 401)
     aside = np.sin(many * deviation) / (many * across)
     behind = mean - np.cos(many * deviation)
@@ -145,6 +151,7 @@ def _finite(value: float, name: str, unit: str) -> float:
     number = field_number(value, (name,))
     if not math.isfinite(number):
         raise ScenarioError(f"must be a finite number of {unit}, got {number}", (name,))
+    check_size(number, (name,))
     return number
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Sized
+from collections.abc import Sequence
 
 import numpy.typing as npt
 
@@ -10,7 +10,7 @@ from radmpc.arguments import field_parts
 from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.geometry import Polytope, convex_pieces, hull
-from radmpc.model.obstacle_track import TrackShape
+from radmpc.model.obstacle_track import TrackShape, is_empty
 from radmpc.ranges import sized
 from radmpc.records import dataclass
 
@@ -159,7 +159,7 @@ def points_of(value: npt.ArrayLike, path: tuple[str | int, ...]) -> Matrix:
     ScenarioError
         If there is none, or a number is too large.
     """
-    if isinstance(value, Sized) and not len(value):
+    if is_empty(value):
         raise ScenarioError("needs at least one point, got none", path)
     return sized(as_matrix(value, path=path), path)
 

@@ -28,10 +28,23 @@ from radmpc.arrays import (
     unchecked,
 )
 from radmpc.errors import ScenarioError
-from radmpc.ranges import sized
+from radmpc.ranges import check_range, check_steps, sized
 from radmpc.records import dataclass
 
-__all__ = ["TrackShape", "TrackSpread"]
+__all__ = ["TrackShape", "TrackSpread", "is_empty"]
+
+
+def is_empty(value: object) -> bool:
+    """Whether a value has a length, and it is 0.
+
+    Parameters
+    ----------
+    value : object
+        What was given.
+    """
+    if isinstance(value, np.ndarray):  # which has a length only with an axis
+        return value.size == 0
+    return isinstance(value, Sized) and not len(value)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,7 +136,7 @@ class TrackShape(Frozen):
     def __post_init__(self) -> None:
         """Freeze the arrays; refuse what does not fit."""
         put = object.__setattr__
-        if isinstance(self.outline, Sized) and not len(self.outline):
+        if is_empty(self.outline):
             raise ScenarioError("needs at least one point, got none", ("moving", "outline"))
         path = ("moving", "outline")
         outline = sized(as_matrix(self.outline, path=path), path)
@@ -157,6 +170,7 @@ class TrackShape(Frozen):
         horizon : int
             Number of steps T.
         """
+        dt, horizon = check_range(dt, "s", ("dt",)), check_steps(horizon)
         place, velocity = np.split(self.start, 2)
         return tuple(self.outline + (place + (k * dt) * velocity) for k in range(horizon + 1))
 

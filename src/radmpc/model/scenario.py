@@ -184,7 +184,7 @@ class Scenario:
             raise ScenarioError(
                 f"must be a Workspace or None, got {value_text(self.workspace)}", ("workspace",)
             )
-        if self.keep != ():
+        if not isinstance(self.keep, tuple) or self.keep:
             from radmpc.model.relations.keep import checked_keep  # noqa: PLC0415 - few keep a range
 
             put(self, "keep", checked_keep(self.keep))

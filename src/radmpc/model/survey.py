@@ -11,11 +11,15 @@ from radmpc.arguments import field_number
 from radmpc.arrays import Matrix, as_axes, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.visits import Visit
+from radmpc.ranges import sized
 
 __all__ = ["survey_visits"]
 
 _END_SHARE = 0.25
 """Half width of the boxes at the ends of lines, as a share of the spacing, unless stated [-]."""
+
+_MOST_LINES = 10_000
+"""Lines beyond which an area is not surveyed: no horizon has as many steps."""
 
 
 def survey_visits(
@@ -55,7 +59,7 @@ def survey_visits(
     Raises
     ------
     ScenarioError
-        If the area has no inner points, or a number is not allowed.
+        If the area has no inner points, takes more than 10,000 lines, or a number is not allowed.
 
     Examples
     --------
@@ -64,20 +68,29 @@ def survey_visits(
     >>> [v.center.tolist() for v in radmpc.survey_visits(area, spacing=6.0)]
     [[0.0, 3.0], [40.0, 3.0], [40.0, 9.0], [0.0, 9.0]]
     """
-    corners = as_matrix(area, (None, 2), ("area",))
+    corners = sized(as_matrix(area, (None, 2), ("area",)), ("area",))
+    if len(corners) < 3:
+        raise ScenarioError("must have three corners or more, not on one line", ("area",))
     between = field_number(spacing, ("spacing",))
     if not (math.isfinite(between) and between > 0.0):
         raise ScenarioError(f"must be > 0 m, got {between:g}", ("spacing",))
-    along = as_vector(direction, 2, ("direction",))
+    along = sized(as_vector(direction, 2, ("direction",)), ("direction",))
     length = float(np.linalg.norm(along))
     if length == 0.0:
         raise ScenarioError("must not be zero in both coordinates", ("direction",))
     frame = np.array([along, [-along[1], along[0]]]) / length
     turned = corners @ frame.T
     lowest, highest = float(turned[:, 1].min()), float(turned[:, 1].max())
-    if len(corners) < 3 or not highest - lowest > 0.0:
+    if not highest - lowest > 0.0:
         raise ScenarioError("must have three corners or more, not on one line", ("area",))
-    count = math.ceil((highest - lowest) / between * (1.0 - 1e-12))
+    wanted = (highest - lowest) / between * (1.0 - 1e-12)
+    if wanted > _MOST_LINES:
+        raise ScenarioError(
+            f"must leave at most {_MOST_LINES:,} lines over an area {highest - lowest:g} m wide, "
+            f"got {between:g} m",
+            ("spacing",),
+        )
+    count = math.ceil(wanted)
     ends: list[list[float]] = []
     for i in range(count):
         height = lowest + (i + 0.5) * (highest - lowest) / count

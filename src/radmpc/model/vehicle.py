@@ -190,11 +190,11 @@ class Vehicle(Frozen):
             part = getattr(self, name)
             if not isinstance(part, kind):
                 raise ScenarioError(f"must be a {kind.__name__}, got {value_text(part)}", (name,))
-        if self.shared != ():
+        if not isinstance(self.shared, tuple) or self.shared:
             from radmpc.model.noise.shared import as_shared  # noqa: PLC0415 - few share
 
             put(self, "shared", as_shared(self.shared, self.system.num_states))
-        if self.via != ():
+        if not isinstance(self.via, tuple) or self.via:
             from radmpc.model.visits import checked_visits  # noqa: PLC0415 - few visit anything
 
             put(self, "via", checked_visits(self.via, self.system))

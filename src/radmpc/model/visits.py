@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_parts, value_text
-from radmpc.arrays import Frozen, Vector, as_axes, as_vector
+from radmpc.arguments import field_integer, field_number, field_parts, value_text
+from radmpc.arrays import Frozen, Vector, as_axes, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.numbers import step_window
@@ -129,7 +129,13 @@ class Visit(Frozen):
         -------
         tuple of (int, int)
             Steps.
+
+        Raises
+        ------
+        ScenarioError
+            If the number of steps is none.
         """
+        horizon = field_integer(horizon, ("horizon",))
         return (1, horizon - 1) if self.between is None else self.between
 
 
@@ -183,6 +189,11 @@ def steps_visited(
     tuple of int
         One per visit, up to the first that is not made.
 
+    Raises
+    ------
+    ScenarioError
+        If what is visited is none, or a matrix has another shape or is not finite.
+
     Examples
     --------
     >>> import radmpc
@@ -191,10 +202,19 @@ def steps_visited(
     >>> radmpc.steps_visited([buoy], path, velocities=None)
     (2,)
     """
-    places = np.asarray(positions, dtype=np.float64)
-    speeds = None if velocities is None else np.abs(np.asarray(velocities, dtype=np.float64))
+    tol = field_number(tol, ("tol",))
+    places = as_matrix(positions, path=("positions",))
+    speeds = None
+    if velocities is not None:
+        speeds = np.abs(as_matrix(velocities, places.shape, ("velocities",)))
     steps: list[int] = []
-    for visit in visits:
+    for j, visit in enumerate(field_parts(visits, "a sequence of Visits", ("visits",))):
+        if not isinstance(visit, Visit):
+            raise ScenarioError(f"must be a Visit, got {value_text(visit)}", ("visits", j))
+        if visit.lower.size != places.shape[1]:
+            count = visit.lower.size
+            wrong = f"must have {places.shape[1]} coordinates like the positions, got {count}"
+            raise ScenarioError(wrong, ("visits", j))
         first, last = visit.window(len(places) - 1)
         made = np.all((places >= visit.lower - tol) & (places <= visit.upper + tol), axis=1)
         if visit.speed is not None and speeds is not None:

@@ -211,6 +211,25 @@ def test_what_is_read_is_not_replaced_nor_one_output_by_another(
     assert not Path("same.png").exists()
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("plan", "loop", "-o", "out.json"),
+        ("import", "loop", "-o", "out.yaml"),
+        ("identify", "loop", "-o", "out.yaml"),
+        ("sweep", "mine.yaml", "--over", "risk_bound=0.1", "-o", "loop"),
+        ("serve", "loop"),
+    ],
+)
+def test_a_link_to_itself_is_refused_in_one_line(run: Run, words: tuple[str, ...]) -> None:
+    Path("mine.yaml").write_text(demo_text())
+    Path("loop").symlink_to("loop")
+    result = run(*words)
+    assert result.exit_code == 2
+    assert "loop" in assert_one_line(result.stderr)
+    assert sorted(os.listdir()) == ["loop", "mine.yaml"]
+
+
 def test_the_demo_does_not_replace_a_scenario_that_was_changed(run: Run) -> None:
     changed = demo_text().replace("risk_bound: 0.05", "risk_bound: 0.01")
     Path("out").mkdir()

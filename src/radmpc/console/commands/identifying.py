@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.text import Text
 
-from radmpc.console.files import check_output, check_separate, writing
+from radmpc.console.files import check_output, check_separate, file_of, writing
 from radmpc.console.options import named_options
 from radmpc.console.output import show, show_json
 from radmpc.console.picture import check_picture, drawing
@@ -112,7 +112,7 @@ def _check(request: IdentifyRequest) -> None:
     check_separate(request.scenario, request.output, request.plot)
     for i, path in enumerate(request.logs):
         check_separate(path, request.output, request.plot)
-        if path.resolve() in {other.resolve() for other in request.logs[:i]}:
+        if file_of(path) in {file_of(other) for other in request.logs[:i]}:
             raise FileFormatError(f"{path}: is named twice, and would count twice")
     output = request.output
     if output is not None and request.scenario is None and output.suffix not in {".yaml", ".yml"}:

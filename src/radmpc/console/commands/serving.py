@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from radmpc.console.files import OutputError
+from radmpc.console.files import OutputError, file_of
 from radmpc.console.output import show
 from radmpc.console.running.guard import Code
 from radmpc.errors import FileFormatError
@@ -64,7 +64,7 @@ def _name(source: Path, folder: Path) -> str:
         raise FileFormatError(f"{source}: is a folder, not a file: use --folder {source}")
     if not source.is_file():
         raise FileFormatError(f"{source}: there is no such file")
-    place = source.resolve()
-    if not place.is_relative_to(folder.resolve()):
+    place = file_of(source)
+    if not place.is_relative_to(file_of(folder)):
         raise OutputError(f"{source}: is not in the folder {folder}")
-    return place.relative_to(folder.resolve()).as_posix()
+    return place.relative_to(file_of(folder)).as_posix()

@@ -7,7 +7,7 @@ from dataclasses import replace
 from threading import RLock
 from typing import Any
 
-from radmpc.arguments import check_callable, check_integer
+from radmpc.arguments import check_callable, check_integer, value_text
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError
 from radmpc.flying.candidates.judging import Order, Planning, answered, planning_with
@@ -84,8 +84,10 @@ class LongMission:
         check_integer(window, "window", 2)
         check_integer(overlap, "overlap", 1)
         if overlap >= window:
-            raise ArgumentError(f"overlap must be below the window of {window}, got {overlap}")
+            told = value_text(overlap)
+            raise ArgumentError(f"overlap must be below the window of {window}, got {told}")
         check_callable(guide, "guide")
+        check_integer(seed, "seed", 0)
         planning = planning_with(planner, seed)
         if planning is None:
             raise ArgumentTypeError("planner must be a name or a function, got None")

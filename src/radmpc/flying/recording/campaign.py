@@ -8,9 +8,9 @@ from contextlib import ExitStack
 
 import numpy as np
 
-from radmpc.arguments import check_kind
+from radmpc.arguments import check_callable, check_kind, check_path, value_text
 from radmpc.arrays import Vector
-from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.errors import ArgumentTypeError, FileFormatError, ScenarioError
 from radmpc.flying.backends import Backend, backend_named
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.tick import Contact, segments
@@ -75,6 +75,9 @@ def begin_flight(
     """
     check_plan(plan)
     check_kind(settings, FlightSettings, "settings", "a FlightSettings")
+    if path is not None:
+        check_path(path)
+    _check_told(stop, progress)
     record = FlightRecord(plan, settings, (), (), {"radmpc": __version__})
     check_replan(plan.scenario, settings)
     # Before the file is touched: a plan that cannot be flown leaves nothing behind.
@@ -90,6 +93,13 @@ def begin_flight(
     finally:
         for backend in ready:
             _close(backend)
+
+
+def _check_told(stop: object, progress: object) -> None:
+    """Refuse what cannot be called to ask or to tell."""
+    if not callable(stop):
+        raise ArgumentTypeError(f"stop must be a function, got {value_text(stop)}")
+    check_callable(progress, "progress")
 
 
 def check_replan(scenario: Scenario, settings: FlightSettings) -> None:
@@ -150,6 +160,8 @@ def resume_flight(
     OSError
         If the file cannot be written.
     """
+    check_path(path)
+    _check_told(stop, progress)
     writer, record = FlightWriter.go_on(path)
     with writer:
         try:

@@ -14,6 +14,7 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.identification.track import Track
 from radmpc.importing.logs.recording import Recording, clock_of, refusal
 from radmpc.io.text.files import read_text, shown
+from radmpc.ranges import LARGEST
 
 __all__ = ["COLUMNS", "MissingColumnError", "read_csv"]
 
@@ -86,7 +87,7 @@ def read_csv(path: Path, columns: Mapping[str, str]) -> Recording:
     Raises
     ------
     FileFormatError
-        If columns are missing or a cell is no number; with its line.
+        If columns are missing or a cell is no number, or beyond 1e9; with its line.
     ScenarioError
         If ``columns`` names what is not known here, or a column twice.
     """
@@ -102,29 +103,28 @@ def read_csv(path: Path, columns: Mapping[str, str]) -> Recording:
     blank = text.rfind("\n", 0, blank) + 1
     head = text[blank:].splitlines()[0]
     delimiter = max(",;\t", key=head.count)
-    rows = _rows(path, text[blank:], delimiter, text.count("\n", 0, blank))
+    begin = text.count("\n", 0, blank) + 2
+    rows = _rows(path, text[blank:], delimiter, begin - 2)
     header = _header(path, rows[0])
     places = _places(path, header, columns)
-    begin = text.count("\n", 0, blank) + 2
     numbers, vehicles = _table(path, rows[1:], header, places, begin)
     ignored = [name for i, name in enumerate(header) if name and i not in places.values()]
     warnings = (f"{path}: columns ignored: {', '.join(ignored)}",) if ignored else ()
-    tracks = tuple(
-        _track(
-            path, name, numbers[[i for i, other in enumerate(vehicles) if other == name]], places
-        )
-        for name in dict.fromkeys(vehicles)
-    )
+    own: dict[str, list[int]] = {}
+    for i, name in enumerate(vehicles):
+        own.setdefault(name, []).append(i)
+    tracks = tuple(_track(path, name, numbers[rows_of], places) for name, rows_of in own.items())
     return Recording(tracks, warnings)
 
 
-def _rows(path: Path, text: str, delimiter: str, begin: int) -> list[list[str]]:
+def _rows(path: Path, text: str, delimiter: str, lines_before: int) -> list[list[str]]:
     """Return the cells of all rows, whatever ends the lines."""
     reader = csv.reader(StringIO(text, newline=None), delimiter=delimiter)
     try:
         return list(reader)
     except csv.Error as error:
-        raise refusal(path, f"line {begin + reader.line_num}: {error}") from error
+        line = lines_before + reader.line_num
+        raise refusal(path, f"line {line}: cannot be read as CSV: {error}") from error
 
 
 def _header(path: Path, cells: Sequence[str]) -> list[str]:
@@ -214,9 +214,14 @@ def _number(path: Path, line: int, name: str, cell: str) -> float:
     if cell.strip().lower() in _MISSING:
         return np.nan
     try:
-        return float(cell)
+        number = float(cell.replace("_", "x"))  # Python reads 1_5 as 15
     except ValueError as error:
         raise refusal(path, f"line {line}: {name} must be a number, got {shown(cell)}") from error
+    # Those of times have no end: some count nanoseconds since 1970. What is infinite is missing.
+    if LARGEST < abs(number) < np.inf and name != "time":
+        allowed = f"must lie between {-LARGEST:.10g} and {LARGEST:.10g}"
+        raise refusal(path, f"line {line}: {name} {allowed}, got {shown(cell)}")
+    return number
 
 
 def _track(path: Path, name: str, rows: Matrix, places: Mapping[str, int]) -> Track:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from radmpc.arguments import check_path
-from radmpc.errors import ScenarioError
+from radmpc.arguments import check_kind, check_path, value_text
+from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.identification.track import Track
 from radmpc.importing.logs.bags import read_bag, read_mcap
 from radmpc.importing.logs.csv_log import read_csv
@@ -48,9 +48,18 @@ def read_logs(
     ------
     FileFormatError
         With one line that names file and place.
+    ArgumentTypeError
+        If an argument is of another kind.
     ScenarioError
         If ``columns`` says what is not known, or there is no CSV to which it applies.
     """
+    hint = "put it in a list" if isinstance(paths, str | os.PathLike) else ""
+    if hint or not isinstance(paths, Iterable):
+        raise ArgumentTypeError(
+            f"paths must be a sequence of files, got {value_text(paths)}{hint and f': {hint}'}"
+        )
+    if columns is not None:
+        check_kind(columns, Mapping, "columns", "a mapping of text or None")
     tracks: list[Track] = []
     warnings: list[str] = []
     files = [_checked(path) for path in paths]
@@ -99,12 +108,15 @@ def _bag(path: Path) -> Path | None:
 def _read(path: Path, columns: Mapping[str, str]) -> Recording:
     """Return what one log holds."""
     suffix = path.suffix.lower()
-    if path.is_dir():
-        return read_bag(path)
-    if suffix in _TABLES:
+    is_folder = path.is_dir()
+    if suffix in _TABLES and not is_folder:
         return read_csv(path, columns)
-    if suffix in _READERS:
-        return _READERS[suffix](path)
+    reader = read_bag if is_folder else _READERS.get(suffix)
+    if reader is not None:
+        try:
+            return reader(path)
+        except ScenarioError as error:  # of a track that cannot be one
+            raise refusal(path, str(error)) from error
     if suffix == ".bag":
         raise refusal(path, "is a ROS 1 bag: convert it, 'rosbags-convert' does")
     known = ", ".join((_TABLES[0], *_READERS))

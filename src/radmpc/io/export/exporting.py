@@ -225,9 +225,12 @@ def save_exported(exported: Exported) -> None:
 
     Raises
     ------
+    ArgumentTypeError
+        If it is something else.
     OSError
         If a file cannot be written.
     """
+    check_kind(exported, Exported, "exported", "an Exported, as export_plan returns")
     for path, content in exported.files.items():
         write_bytes(path, content)
 

@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from radmpc.arguments import check_path
+from radmpc.arguments import check_kind, check_path
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.native.changes import changed
 from radmpc.io.native.decoding import decode_scenario
@@ -66,6 +66,8 @@ def load_scenario(
     Scenario('harbor', 5 vehicles, 3 obstacles, 12 steps of 1 s, risk bound 0.01)
     """
     check_path(path)
+    if changes is not None:
+        check_kind(changes, Mapping, "changes", "a mapping of values by key or None")
     document = read_scenario_document(path)
     content, places = changed(document.value, {} if changes is None else changes)
     try:

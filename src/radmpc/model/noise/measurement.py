@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_integer, field_parts
+from radmpc.arguments import field_integer, field_parts, value_text
 from radmpc.arrays import Frozen, Matrix, as_covariance, as_matrix
 from radmpc.errors import ScenarioError
 from radmpc.ranges import sized
 from radmpc.records import dataclass
 
 __all__ = ["Measurement"]
+
+_MOST_STATES = 10_000
+"""States of a vehicle beyond which no matrix is made [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,6 +84,10 @@ class Measurement(Frozen):
         ScenarioError
             If an index is that of no state, or one stands twice.
         """
+        num_states = field_integer(num_states, ("num_states",))
+        if not 1 <= num_states <= _MOST_STATES:
+            wrong = f"must be from 1 to {_MOST_STATES}, got {value_text(num_states)}"
+            raise ScenarioError(wrong, ("num_states",))
         allowed = f"distinct state indices from 0 to {num_states - 1}"
         parts = field_parts(states, allowed, ("of",))
         chosen = [field_integer(i, ("of", k)) for k, i in enumerate(parts)]

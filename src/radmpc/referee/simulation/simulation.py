@@ -8,7 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from scipy.special import betaincinv
 
-from radmpc.arguments import check_callable, check_integer, check_rng
+from radmpc.arguments import check_callable, check_integer, check_rng, value_text
+from radmpc.errors import ArgumentError
 from radmpc.model.given import plan_under
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Avoidance
@@ -25,6 +26,9 @@ chunk is what one stream of random numbers fills."""
 
 _LEAST_CHUNK = 512
 """Samples per chunk at least, however many vehicles there are."""
+
+_MOST_SAMPLES = 10**9
+"""Samples at most: of more, the list of chunks alone fills the memory."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -170,7 +174,7 @@ def simulate(
     Raises
     ------
     ArgumentError
-        If ``samples`` is below 1, the seed below 0, or there is no such avoidance.
+        If ``samples`` is not from 1 to 10⁹, the seed below 0, or there is no such avoidance.
     ArgumentTypeError
         If an argument is of another kind.
     NoPlanError
@@ -188,6 +192,9 @@ def simulate(
     """
     plan = plan_under(plan, avoidance)
     samples = check_integer(samples, "samples", 1)
+    if samples > _MOST_SAMPLES:
+        told = value_text(samples)
+        raise ArgumentError(f"samples must be at most {_MOST_SAMPLES}, got {told}")
     check_rng(rng)
     check_callable(progress, "progress")
     flight = prepare(plan)
