@@ -251,5 +251,8 @@ def test_csv_with_bare_carriage_returns_is_read(tmp_path: Path) -> None:
 def test_a_csv_that_its_library_cannot_read_is_one_line(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_text("time,x,y\n0,1," + "2" * 200_000 + "\n", encoding="utf-8")
-    with pytest.raises(FileFormatError, match=r"log\.csv: line 2: field larger than field limit"):
+    with pytest.raises(
+        FileFormatError,
+        match=r"log\.csv: line 2: cannot be read as CSV: field larger than field limit",
+    ):
         read_logs([path])

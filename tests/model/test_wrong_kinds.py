@@ -89,7 +89,7 @@ CALLS: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "a visit of another plane": (
         lambda: steps_visited([Visit.at([0, 0])], np.zeros((3, 3)), None),
-        r"^visits\[0\]: must have 3 coordinates like the positions, got 2",
+        r"^visits\[0\]: must have 3 coordinates like the position, got 2",
     ),
     "a measurement of no states": (
         lambda: Measurement.of([0], None, 1.0),

@@ -64,9 +64,8 @@ class Visit(Frozen):
         put(self, "lower", lower)
         put(self, "upper", upper)
         if not np.all(lower <= upper):
-            raise ScenarioError(
-                f"min must not exceed max, got {lower.tolist()} and {upper.tolist()}"
-            )
+            ends = f"{lower.tolist()} and {upper.tolist()}"
+            raise ScenarioError(f"min must not exceed max, got {ends}")
         if self.between is not None:
             put(self, "between", step_window(self.between, "between"))
         if self.speed is not None:
@@ -204,23 +203,14 @@ def steps_visited(
     """
     tol = field_number(tol, ("tol",))
     places = as_matrix(positions, path=("positions",))
-    speeds = None
-    if velocities is not None:
-        speeds = np.abs(as_matrix(velocities, places.shape, ("velocities",)))
+    speeds = None if velocities is None else as_matrix(velocities, places.shape, ("velocities",))
     steps: list[int] = []
-    for j, visit in enumerate(field_parts(visits, "a sequence of Visits", ("visits",))):
-        if not isinstance(visit, Visit):
-            raise ScenarioError(f"must be a Visit, got {value_text(visit)}", ("visits", j))
-        if visit.lower.size != places.shape[1]:
-            count = visit.lower.size
-            wrong = f"must have {places.shape[1]} coordinates like the positions, got {count}"
-            raise ScenarioError(wrong, ("visits", j))
+    for visit in _listed(visits, "visits", places.shape[1]):
         first, last = visit.window(len(places) - 1)
         made = np.all((places >= visit.lower - tol) & (places <= visit.upper + tol), axis=1)
         if visit.speed is not None and speeds is not None:
-            made &= np.all(speeds <= visit.speed + tol, axis=1)
-        made[: max(first, steps[-1] + 1 if steps else 0)] = False
-        made[last + 1 :] = False
+            made &= np.all(np.abs(speeds) <= visit.speed + tol, axis=1)
+        made[: max(first, steps[-1] + 1 if steps else 0)] = made[last + 1 :] = False
         if not made.any():
             break
         steps.append(int(made.argmax()))
@@ -242,21 +232,23 @@ def checked_visits(given: object, system: LinearSystem) -> tuple[Visit, ...]:
     ScenarioError
         If a part is no `Visit`, has other axes than the position, or a speed without velocities.
     """
-    visits = []
-    for j, visit in enumerate(field_parts(given, "a sequence of Visits", ("via",))):
-        if not isinstance(visit, Visit):
-            raise ScenarioError(f"must be a Visit, got {value_text(visit)}", ("via", j))
-        if visit.lower.size != system.dimension:
-            raise ScenarioError(
-                f"must have {system.dimension} coordinates like the position, "
-                f"got {visit.lower.size}",
-                ("via", j),
-            )
+    visits = _listed(given, "via", system.dimension)
+    for j, visit in enumerate(visits):
         if visit.speed is not None and system.velocity is None:
-            raise ScenarioError(
-                "a speed needs dynamics whose velocity indices are given", ("via", j, "speed")
-            )
-        visits.append(visit)
+            wrong = "a speed needs dynamics whose velocity indices are given"
+            raise ScenarioError(wrong, ("via", j, "speed"))
+    return visits
+
+
+def _listed(given: object, name: str, dimension: int) -> tuple[Visit, ...]:
+    """Return what an argument of a name lists, if all of it can be visited."""
+    visits = field_parts(given, "a sequence of Visits", (name,))
+    for j, visit in enumerate(visits):
+        if not isinstance(visit, Visit):
+            raise ScenarioError(f"must be a Visit, got {value_text(visit)}", (name, j))
+        if (count := visit.lower.size) != dimension:
+            wrong = f"must have {dimension} coordinates like the position, got {count}"
+            raise ScenarioError(wrong, (name, j))
     return tuple(visits)
 
 

@@ -85,8 +85,8 @@ def _once(files: Sequence[Path], warnings: list[str]) -> list[Path]:
     folders = {_bag(path) for path in files} - {None}
     for path in files:
         bag = _bag(path)
-        if bag is None and path.suffix.lower() == ".mcap" and path.resolve().parent in folders:
-            bag = path.resolve().parent
+        if bag is None and path.suffix.lower() == ".mcap" and _whole(path).parent in folders:
+            bag = _whole(path).parent
         if bag is None:
             kept.append(path)
         elif bag in bags:
@@ -99,10 +99,14 @@ def _once(files: Sequence[Path], warnings: list[str]) -> list[Path]:
 
 def _bag(path: Path) -> Path | None:
     """Return the folder of the bag that a log stands for; None where it stands for itself."""
-    whole = path.resolve()
     if path.is_dir():
-        return whole
-    return whole.parent if path.suffix.lower() == ".db3" else None
+        return _whole(path)
+    return _whole(path).parent if path.suffix.lower() == ".db3" else None
+
+
+def _whole(path: Path) -> Path:
+    """Return a path without links; one that links to itself is refused once it is read."""
+    return Path(os.path.realpath(path))
 
 
 def _read(path: Path, columns: Mapping[str, str]) -> Recording:
