@@ -249,7 +249,7 @@ def _listed(given: object, name: str, dimension: int) -> tuple[Visit, ...]:
         if (count := visit.lower.size) != dimension:
             wrong = f"must have {dimension} coordinates like the position, got {count}"
             raise ScenarioError(wrong, (name, j))
-    return tuple(visits)
+    return tuple(visit for visit in visits if isinstance(visit, Visit))
 
 
 def check_visits(visits: Sequence[Visit], horizon: int, workspace: Workspace | None) -> None:
