@@ -79,6 +79,7 @@ def test_a_room_that_is_too_small_is_refused():
         room.scatter(np.random.default_rng(0), 2)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("num_vehicles", range(1, 9))
 def test_a_swarm_of_few_drones_finds_room(num_vehicles):
     for seed in range(4):

@@ -20,6 +20,7 @@ def imported(folder: Path, count: int, height: int) -> Scenario:
     return import_scenario(path).scenario
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("count", "is_walled", "horizon"), [(8, True, 30), (25, True, 45), (25, False, 30)]
 )

@@ -86,6 +86,7 @@ def test_the_outline_reaches_as_far_as_that_of_qhull(shape) -> None:
     assert num_compared > 600
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("shape", [scattered, on_a_grid, beside_the_edges, on_a_circle])
 def test_the_outline_has_the_corners_of_qhull(shape) -> None:
     rng = np.random.default_rng(6)

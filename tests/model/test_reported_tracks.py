@@ -57,6 +57,7 @@ def test_the_mean_velocity_is_that_of_speeds_and_courses_as_reported(sigma):
     assert covariance[0, 1] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("of_speed", [0.0, 0.3, 1.2])
 @pytest.mark.parametrize("sigma", [1.0, 2.0, 5.0, 10.0, 15.0, 20.0])
 def test_no_side_sees_a_reported_velocity_more_often_than_its_gaussian(sigma, of_speed):

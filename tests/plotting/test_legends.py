@@ -185,6 +185,7 @@ def test_a_legend_has_the_fewest_lines_that_fit_its_width() -> None:
 LONG = "a name that goes on and on " * 7
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("draw", "dimension"),
     [

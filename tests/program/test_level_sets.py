@@ -25,6 +25,7 @@ def supported(corners: Array, normals: Array, radius: float) -> tuple[Array, Arr
     return (first + radius * normals)[None], (last + radius * normals)[None]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_level_points_are_hit_with_the_probability_of_their_level_and_hardly_more(
     seed: int,

@@ -100,6 +100,7 @@ def test_setpoints_are_streamed_while_a_decision_takes_its_time() -> None:
     assert not any(vehicle.lost_setpoints for vehicle in vehicles)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "line"),

@@ -72,6 +72,7 @@ def test_a_plan_that_does_not_fit_its_scenario_is_refused_in_a_line(
     assert not Path(words[-1]).exists()
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("words", PICTURES)
 def test_a_plan_that_does_not_hold_is_drawn(
     run: Run, plan_file: Path, words: tuple[str, ...]

@@ -245,7 +245,9 @@ def test_ctrl_c_where_no_exception_gets_out_ends_a_command_all_the_same(
     crossing: Path, run: Run, monkeypatch: pytest.MonkeyPatch, interrupted: Callable[[], object]
 ) -> None:
     hook, profiler = sys.unraisablehook, sys.getprofile()
-    read = loading.read_scenario
+    read, usual = loading.read_scenario, signal.getsignal(signal.SIGINT)
+    # Shells let what they start in the background ignore it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def reading(*given: object) -> object:
         interrupted()
@@ -253,7 +255,10 @@ def test_ctrl_c_where_no_exception_gets_out_ends_a_command_all_the_same(
         return read(*given)  # type: ignore[arg-type] # as given
 
     monkeypatch.setattr(loading, "read_scenario", reading)
-    result = run("check", crossing)
+    try:
+        result = run("check", crossing)
+    finally:
+        signal.signal(signal.SIGINT, usual)
     assert (result.exit_code, result.stdout) == (1, "")
     assert assert_one_line(result.stderr) == "radmpc: interrupted"
     assert (sys.unraisablehook, sys.getprofile()) == (hook, profiler)

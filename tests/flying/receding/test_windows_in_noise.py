@@ -83,6 +83,7 @@ def apart(one: Flight, other: Flight) -> float:
     return max(*values, *places)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_window_is_worth_what_the_same_leg_is_within_one_mission(scene) -> None:
     scenario = steered(scene)

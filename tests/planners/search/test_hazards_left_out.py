@@ -187,6 +187,7 @@ def test_only_vehicles_among_many_obstacles_of_their_own_have_their_reach_narrow
         assert part.is_narrowed == (len(part.scenario.obstacles) >= 12)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize("seed", range(3))
 def test_two_vehicles_that_a_relaxation_keeps_apart_are_near_each_other(

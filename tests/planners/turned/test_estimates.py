@@ -43,6 +43,7 @@ def plans_of(scenario: Scenario, count: int = 6) -> list[Controls]:
     return [own, *(tuple(u + s * rng.normal(size=u.shape) for u in own) for s in sizes)]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "scenario",
     [

@@ -31,6 +31,7 @@ def moved(start: list[float], goal: Goal, **more: object) -> Vehicle:
     return Vehicle(name="v", start=start, goal=goal, **(made | more))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize(
     ("vehicle", "obstacle"),
