@@ -111,6 +111,7 @@ def test_a_second_sensor_tells_the_noise_of_the_first() -> None:
     assert np.all(holds(pooled.measurement, np.diag([0.04, 0.04, 0.0, 0.0]))[:2, :2])
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(4))
 def test_no_variance_is_negative_where_a_second_sensor_hides_the_disturbance(seed: int) -> None:
     truth = Truth(steps=300, scale=0.01)

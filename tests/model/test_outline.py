@@ -101,6 +101,7 @@ def test_the_outline_has_the_corners_of_qhull(shape) -> None:
     assert num_compared > 600
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_faces_hold_all_points_and_touch_them(shape) -> None:
     rng = np.random.default_rng(7)

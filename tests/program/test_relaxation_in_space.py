@@ -68,6 +68,7 @@ def test_in_space_no_mean_is_clearer_than_its_best_cone_says(shape: str, seed: i
         assert any(all(enough[chain]) for chain in chains(cones))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "body",
     [

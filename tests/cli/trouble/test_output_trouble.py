@@ -80,6 +80,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @ALL
 def test_a_full_disk_leaves_the_old_file_and_no_other(
