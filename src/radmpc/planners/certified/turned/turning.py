@@ -68,7 +68,7 @@ class Turning:
     is_above : bool
         Whether it begins with paths that risk too much: the referee is not asked of these.
     is_outside : bool
-        Whether it begins with paths beyond the limits of programs, which plans keep.
+        Whether it begins with paths beyond the limits of programs; plans keep these limits.
     is_routed : bool
         Whether it begins with routes around obstacles: there a first plan leaves much of Δ.
     latest : float
