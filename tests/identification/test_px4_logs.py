@@ -98,6 +98,35 @@ def test_a_part_that_cannot_be_read_is_told(
     assert capsys.readouterr().out == ""
 
 
+@pytest.mark.parametrize("cut", [1, 20, len(sample(0, 1.0, PLACES[0])) - 1])
+def test_a_log_that_ends_within_a_message_is_told(tmp_path: Path, cut: int) -> None:
+    path = written(tmp_path, head((STATES, 0, 0)), *states())
+    path.write_bytes(path.read_bytes()[:-cut])
+    found = read_logs([path])
+    assert len(found.tracks[0].times) == 199
+    assert found.warnings == (
+        f"{path}: ends within a message: the log was cut off: "
+        "199 samples from 1 s to 20.8 s are read",
+    )
+
+
+def test_a_whole_log_is_not_called_cut_off(tmp_path: Path) -> None:
+    assert read_logs([written(tmp_path, head((STATES, 0, 0)), *states())]).warnings == ()
+
+
+def test_a_cut_is_told_of_data_appended_after_a_crash_alone(tmp_path: Path) -> None:
+    # The crash itself cuts off the message before.
+    body = b"".join(states())[:-5]
+    length = len(head((STATES, 0, 0), appended=1)) + len(body)
+    text = b"char[3] abc"
+    more = message("I", bytes([len(text)]) + text + b"xyz")
+    path = written(tmp_path, head((STATES, 0, 0), appended=length), body, more)
+    assert read_logs([path]).warnings == ()
+    path.write_bytes(path.read_bytes()[:-1])
+    [warning] = read_logs([path]).warnings
+    assert ": ends within a message: the log was cut off: " in warning
+
+
 def test_commands_and_references_are_not_made_up_while_there_are_none(tmp_path: Path) -> None:
     # By hand from 6 s to 11 s, and from 16 s on.
     is_flown = [not 50 <= k < 100 and k < 150 for k in range(200)]

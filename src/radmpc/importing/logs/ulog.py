@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import redirect_stdout
 from io import StringIO
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
+from struct import Struct
 from typing import Any
 
 import numpy as np
@@ -30,6 +32,15 @@ _STATES, _SETPOINTS = "vehicle_local_position", "vehicle_local_position_setpoint
 _NO_COMMAND = 50.0
 """Acceleration setpoint [m/s²] from which on it is none: on the ground PX4 asks for 100 m/s² down,
 so that motors idle."""
+
+_START = 16
+"""Bytes before the first message, which is that of flags."""
+
+_HEAD = Struct("<HB")
+"""A message's length behind these bytes, and its type."""
+
+_FLAGS = Struct("<16xQQQ")
+"""Where data begin that were appended after a crash, from the content of a message of flags."""
 
 Data = Mapping[str, npt.NDArray[Any]]
 
@@ -70,7 +81,7 @@ def read_ulog(path: Path) -> Recording:
         raise refusal(path, f"holds no {_STATES}")
     states = found[_STATES]
     times = _seconds(states)
-    warnings = _losses(path, log, times)
+    warnings = _losses(path, log, times, is_cut=_ends_within_message(path))
     positions = _valid(states, _turned(states, ("x", "y", "z")), ("xy_valid", "z_valid"))
     velocities = _valid(states, _turned(states, ("vx", "vy", "vz")), ("v_xy_valid", "v_z_valid"))
     if np.isnan(positions[:, 0]).all():
@@ -86,17 +97,35 @@ def read_ulog(path: Path) -> Recording:
     return Recording((track,), tuple(warnings))
 
 
-def _losses(path: Path, log: Any, times: Vector) -> list[str]:
+def _losses(path: Path, log: Any, times: Vector, *, is_cut: bool) -> list[str]:
     """Return what is missing in a log, in words."""
     lost = []
+    told = f"{count_text(len(times), 'sample')} from {times[0]:.6g} s to {times[-1]:.6g} s"
     if log.file_corruption:
-        told = f"{count_text(len(times), 'sample')} from {times[0]:.6g} s to {times[-1]:.6g} s"
         lost.append(f"{path}: a part of the log is corrupt: {told} are read")
+    elif is_cut:
+        lost.append(f"{path}: ends within a message: the log was cut off: {told} are read")
     if log.dropouts:
         seconds = sum(dropout.duration for dropout in log.dropouts) / 1000.0
         dropouts = count_text(len(log.dropouts), "dropout")
         lost.append(f"{path}: {dropouts} of the log, {seconds:.3g} s in all")
     return lost
+
+
+def _ends_within_message(path: Path) -> bool:
+    """Whether a log's last message is cut off: the library leaves it out without a word."""
+    with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as content:
+        size, at, appended = len(content), _START, []
+        while at + _HEAD.size <= size:
+            length, kind = _HEAD.unpack_from(content, at)
+            is_first, begin = at == _START, at + _HEAD.size
+            at = begin + length
+            if is_first and kind == ord("B") and _FLAGS.size <= length <= size - begin:
+                appended = sorted(offset for offset in _FLAGS.unpack_from(content, begin) if offset)
+            # A crash may have cut off the message before what was appended after it.
+            if appended and at >= appended[0]:
+                at = appended.pop(0)
+        return at != size
 
 
 def _seconds(data: Data) -> Vector:
