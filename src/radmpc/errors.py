@@ -18,6 +18,10 @@ __all__ = [
 ]
 
 
+_LONGEST_KEY = 100
+"""Letters of a key that a message shows."""
+
+
 class RadmpcError(Exception):
     """Base class of all exceptions that this package raises itself."""
 
@@ -151,8 +155,17 @@ def all_checked(*checks: Callable[[], object]) -> None:
 
 
 def format_path(path: tuple[str | int, ...]) -> str:
-    """Return ``vehicles[2].radius`` for ``("vehicles", 2, "radius")``."""
+    """Return ``vehicles[2].radius`` for ``("vehicles", 2, "radius")``; long keys are shortened."""
     text = ""
     for key in path:
-        text += f"[{key}]" if isinstance(key, int) else f".{key}" if text else key
+        told = key_text(str(key))
+        text += f"[{told}]" if isinstance(key, int) else f".{told}" if text else told
     return text
+
+
+def key_text(key: str) -> str:
+    """Return a key for a message: one that is too long to read with its middle left out."""
+    if len(key) <= _LONGEST_KEY:
+        return key
+    kept = (_LONGEST_KEY - 3) // 2
+    return f"{key[:kept]}...{key[-kept:]}"

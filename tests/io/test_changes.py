@@ -1,11 +1,13 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import radmpc
+from radmpc.console.settings import axes_of, changes_of
 from radmpc.errors import ScenarioError
 from radmpc.io.native.changes import changed, key_path
 
@@ -182,6 +184,44 @@ def test_what_cannot_be_changed_is_told_with_its_key(
         radmpc.load_scenario(path, changes)
     assert words in str(error.value)
     assert "\n" not in str(error.value)
+
+
+LONG = 10 * "very_" + 500 * "long"
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        LONG,
+        f"{LONG}.radius",
+        f"vehicles.{LONG}.radius",
+        f"vehicles.east.{LONG}",
+        f"horizon.{LONG}",
+        f"vehicles[{5000 * '1'}].radius",
+        f"vehicles[{500 * '1'}].radius",
+        f"vehicles.{LONG}..radius",
+    ],
+)
+def test_a_long_key_that_cannot_be_changed_is_told_in_a_short_line(path: Path, key: str) -> None:
+    with pytest.raises(ScenarioError) as error:
+        radmpc.load_scenario(path, {key: 1})
+    message = str(error.value).replace(str(path), "file")
+    assert "..." in message
+    assert len(message) < 400
+
+
+@pytest.mark.parametrize(
+    ("read", "value"),
+    [(changes_of, "[0"), (axes_of, "[0"), (changes_of, "1")],
+)
+def test_options_tell_long_keys_in_a_short_line(
+    read: Callable[[list[str]], object], value: str
+) -> None:
+    word = f"{LONG}={value}"
+    with pytest.raises(ScenarioError) as error:
+        read([word, word] if value == "1" else [word])
+    assert str(error.value).startswith("--")
+    assert len(str(error.value)) < 200
 
 
 def test_errors_of_the_file_itself_keep_its_lines(path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from radmpc.errors import ScenarioError
+from radmpc.errors import ScenarioError, key_text
 from radmpc.io.native.changes import key_path, key_value, split_key
 from radmpc.io.text.files import shown
 
@@ -24,7 +24,8 @@ def changes_of(words: Sequence[str] | None) -> dict[str, object]:
     ScenarioError
         If one is of another form, or a key stands twice.
     """
-    return {key: key_value(f"--set {key}", value) for key, value in _pairs("--set", words)}
+    pairs = _pairs("--set", words)
+    return {key: key_value(f"--set {key_text(key)}", value) for key, value in pairs}
 
 
 def axes_of(words: Sequence[str] | None) -> dict[str, tuple[object, ...]]:
@@ -42,9 +43,10 @@ def axes_of(words: Sequence[str] | None) -> dict[str, tuple[object, ...]]:
     """
     axes = {}
     for key, text in _pairs("--over", words):
-        values = key_value(f"--over {key}", f"[{text}]")
+        told = f"--over {key_text(key)}"
+        values = key_value(told, f"[{text}]")
         if not isinstance(values, list) or not values:
-            raise ScenarioError(f"--over {key}: must be values with commas, got {shown(text)}")
+            raise ScenarioError(f"{told}: must be values with commas, got {shown(text)}")
         axes[key] = tuple(values)
     return axes
 

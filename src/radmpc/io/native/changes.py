@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.errors import FileFormatError, ScenarioError, key_text
 from radmpc.io.native.nulls import Gone, in_file, is_taken_away, without_gone
 from radmpc.io.native.plain import plain_mapping
 from radmpc.io.text.files import one_line, shown
@@ -84,6 +84,9 @@ def _has(content: object, path: Path) -> bool:
 _PART = re.compile(r"\.?(?P<key>[^.\[\]]+)|\[(?P<item>[^\[\]]+)\]")
 _KEY = re.compile(r"[^.\[\]]+(?:\.[^.\[\]]+|\[[^\[\]]+\])*")
 
+_MOST_DIGITS = 18
+"""Digits of a number that counts entries."""
+
 
 def split_key(text: str, allowed: str) -> tuple[str, str]:
     """Return the two sides of ``KEY=VALUE``.
@@ -146,7 +149,12 @@ def key_path(key: str) -> Path:
             f"a key must be as in 'risk_bound' or 'vehicles.tug.radius', got {shown(key)}"
         )
     parts = [(match["key"], match["item"]) for match in _PART.finditer(key)]
-    return tuple(int(item) if item and item.isdecimal() else name or item for name, item in parts)
+    return tuple(int(item) if _counts(item) else name or item for name, item in parts)
+
+
+def _counts(item: str | None) -> bool:
+    """Whether what stands in brackets counts entries: no list has as many as take more digits."""
+    return item is not None and item.isdecimal() and len(item) <= _MOST_DIGITS
 
 
 def changed(content: object, changes: Mapping[str, object]) -> tuple[object, Places]:
@@ -177,7 +185,7 @@ def changed(content: object, changes: Mapping[str, object]) -> tuple[object, Pla
     plain = plain_mapping(changes, ())
     places = []
     for key, value in plain.items():
-        content, place = _with(content, key_path(key), value, key)
+        content, place = _with(content, key_path(key), value, key_text(key))
         places.append(place)
     content, gone = without_gone(content, places)
     return content, Places(tuple(places), gone)
