@@ -184,6 +184,44 @@ def test_a_goal_with_a_speed_is_for_vehicles_that_have_one() -> None:
         replace(given, vehicles=(drifter, given.vehicles[1]), goals=goals)
 
 
+@pytest.mark.parametrize("is_first", [True, False])
+@pytest.mark.parametrize("is_listed", [True, False])
+def test_the_default_speed_of_a_file_is_blamed_where_some_vehicle_has_no_velocity(
+    is_first: bool, is_listed: bool
+) -> None:
+    eye = [[1.0, 0.0], [0.0, 1.0]]
+    usual: dict[str, object] = {
+        "radius": 0.2,
+        "initial_covariance": 0.0,
+        "disturbance_covariance": 0.001,
+    }
+    goals: list[dict[str, object]] = [{"center": end, "half_width": 0.5} for end in ENDS[:2]]
+    drifter: dict[str, object] = {
+        "name": "raft",
+        "dynamics": {"A": eye, "B": eye, "position": [0, 1]},
+    }
+    fleet = [drifter, {"name": "tug"}] if is_first else [{"name": "tug"}, drifter]
+    for i, entry in enumerate(fleet):
+        entry.update({"start": [0.0, 3.0 * i], "control_limit": 2.0})
+        entry.update({} if is_listed else {"goal": goals[i]})
+    data: dict[str, object] = {
+        "format": "radmpc/scenario/1", "name": "mixed", "dt": 1.0, "horizon": 5,
+        "risk_bound": 0.01, "defaults": usual, "vehicles": fleet, "assign": True,
+    } | ({"goals": goals} if is_listed else {})  # fmt: skip
+    with pytest.raises(ScenarioError) as caught:
+        from_dict(data)
+    assert caught.value.path[-1] == "speed"
+    assert caught.value.message == (
+        "the dynamics of 'raft', which might go there, have no velocity: goals that are shared "
+        "must all have the speed null, got [0.0, 0.0] (in files the default is 0)"
+    )
+    for goal in goals:
+        goal["speed"] = None
+    found = from_dict(data)
+    assert isinstance(found, Scenario)
+    assert len(found.goals) == 2
+
+
 @pytest.mark.parametrize("count", [0, 2])
 def test_fewer_goals_than_vehicles_without_one_are_counted_at_the_list(count: int) -> None:
     data = to_dict(replace(sharing(), goals=()))

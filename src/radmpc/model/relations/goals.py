@@ -87,16 +87,27 @@ def check_goals(
     for k, goal in enumerate(goals):
         _check_goal(goal, k, (vehicles[0].system.dimension, horizon), workspace)
         if goal.speed is not None and speedless is not None:
-            raise ScenarioError(
-                f"the dynamics of {speedless!r}, which might go there, have no velocity",
-                ("goals", k, "speed"),
-            )
+            raise _no_velocity(goal, speedless, ("goals", k, "speed"))
     places = places_of(goals, [vehicle.goal for vehicle in vehicles])
-    if None in places:
-        raise ScenarioError(
-            "must be one of the goals that are shared, and of no other vehicle",
-            ("vehicles", places.index(None), "goal"),
-        )
+    if None not in places:
+        return
+    odd = places.index(None)
+    path = ("vehicles", odd, "goal")
+    goal = vehicles[odd].goal
+    # Where a goal gives no speed, files read 0 for vehicles with a velocity, and none for others.
+    if goal.speed is not None and speedless is not None:
+        raise _no_velocity(goal, speedless, (*path, "speed"))
+    raise ScenarioError("must be one of the goals that are shared, and of no other vehicle", path)
+
+
+def _no_velocity(goal: Goal, speedless: str, path: tuple[str | int, ...]) -> ScenarioError:
+    """Return the error of a shared goal that asks for a speed which a vehicle does not have."""
+    speed = np.asarray(goal.speed).tolist()
+    return ScenarioError(
+        f"the dynamics of {speedless!r}, which might go there, have no velocity: goals that are "
+        f"shared must all have the speed null, got {speed} (in files the default is 0)",
+        path,
+    )
 
 
 def _check_goal(goal: Goal, k: int, sizes: tuple[int, int], workspace: Workspace | None) -> None:
