@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_integer, field_number, value_text
+from radmpc.arguments import check_integer, field_integer, field_number, value_text
 from radmpc.errors import ScenarioError
 
-__all__ = ["LARGEST", "LEAST", "check_range", "check_size", "check_steps", "sized"]
+__all__ = ["LARGEST", "LEAST", "check_range", "check_size", "check_steps", "sized", "steps_ahead"]
 
 LARGEST = 1e9
 """Largest magnitude of a number of a scenario: beyond, squares and solvers lose all digits."""
@@ -79,6 +79,28 @@ def check_steps(horizon: int) -> int:
         text = f"must be at most {_MOST_STEPS} steps, got {value_text(horizon)}"
         raise ScenarioError(text, path)
     return horizon
+
+
+def steps_ahead(horizon: int) -> int:
+    """Return how many steps to look ahead: none, or as many as a scenario may have.
+
+    Parameters
+    ----------
+    horizon : int
+        What was given.
+
+    Returns
+    -------
+    int
+        Python's.
+
+    Raises
+    ------
+    ArgumentError, ScenarioError
+        With what is allowed.
+    """
+    horizon = check_integer(horizon, "horizon", 0)
+    return check_steps(horizon) if horizon else 0
 
 
 def check_size(value: float, path: tuple[str | int, ...], most: float = LARGEST) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from radmpc.errors import ScenarioError
+from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.model.dynamics import LinearSystem, double_integrator
 from radmpc.model.noise import kept
 from radmpc.model.noise.measurement import Measurement
@@ -237,3 +237,31 @@ def test_covariances_are_propagated_once_for_a_vehicle_and_anew_for_another(monk
     )
     one.covariances(HORIZON + 1)
     assert len(asked) == 3
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5])
+@pytest.mark.parametrize(
+    ("horizon", "message"),
+    [
+        (-1, r"^horizon must be an integer >= 0, got -1$"),
+        (1.5, r"^horizon must be an integer >= 0, got 1\.5$"),
+        (2.0, r"^horizon must be an integer >= 0, got 2\.0: write 2$"),
+        (True, r"^horizon must be an integer >= 0, got True$"),
+        ("3", r"^horizon must be an integer >= 0, got '3'$"),
+        ([3], r"^horizon must be an integer >= 0, got \[3\]$"),
+        (None, r"^horizon must be an integer >= 0, got None$"),
+        (10**9, r"^horizon: must be at most 1000000 steps, got 1000000000$"),
+    ],
+)
+def test_a_horizon_that_is_none_is_refused_in_one_line(
+    rho: float, horizon: object, message: str
+) -> None:
+    vehicle = craft(0, disturbance_correlation=rho)
+    for ahead in (vehicle.spread, vehicle.covariances):
+        with pytest.raises((ArgumentError, ScenarioError), match=message):
+            ahead(horizon)
+
+
+def test_nothing_ahead_leaves_what_is_known_at_the_start() -> None:
+    vehicle = craft(0, disturbance_correlation=0.5)
+    assert vehicle.spread(np.int64(0)).states == pytest.approx(vehicle.initial_covariance[None])

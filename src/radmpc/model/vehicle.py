@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import check_integer, field_number, field_text, value_text
+from radmpc.arguments import field_number, field_text, value_text
 from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_covariance, as_matrix, as_vector
 from radmpc.errors import ScenarioError, all_checked
 from radmpc.model import numbers
 from radmpc.model.dynamics import LinearSystem, covariances
 from radmpc.model.goal import Goal
 from radmpc.model.states import as_state
-from radmpc.ranges import sized
+from radmpc.ranges import sized, steps_ahead
 from radmpc.records import dataclass
 
 if TYPE_CHECKING:
@@ -147,8 +147,7 @@ class Vehicle(Frozen):
             path = ("feedback", "gain")
             put(self, "gain", sized(as_matrix(self.gain, (m, n), path), path))
         if self.drift is not None:
-            path = ("drift", "state")
-            put(self, "drift", sized(as_vector(self.drift, n, path), path))
+            put(self, "drift", sized(as_vector(self.drift, n, path := ("drift", "state")), path))
         for name, size in (("control", m), ("speed", d)):
             norm, axes = getattr(self, f"{name}_norm"), getattr(self, f"{name}_limit")
             norm, axes = numbers.consistent_limits(norm, axes, size, f"{name}_limit")
@@ -161,13 +160,10 @@ class Vehicle(Frozen):
             lambda: numbers.check_vehicle_numbers(*sizes),
             lambda: numbers.check_correlation(self.disturbance_correlation),
         )
-        if self.measurement is not None and self.measurement.matrix.shape[1] != n:
-            raise ScenarioError(
-                f"must have {n} columns like the state, got {self.measurement.matrix.shape[1]}",
-                ("measurement", "matrix"),
-            )
-        if self.goal.lower.size != d:
-            found = self.goal.lower.size
+        if self.measurement is not None and (found := self.measurement.matrix.shape[1]) != n:
+            message = f"must have {n} columns like the state, got {found}"
+            raise ScenarioError(message, ("measurement", "matrix"))
+        if (found := self.goal.lower.size) != d:
             message = f"must have {d} coordinates like the position, got {found}"
             raise ScenarioError(message, ("goal",))
         if self.system.velocity is None:
@@ -247,10 +243,15 @@ class Vehicle(Frozen):
         -------
         Spread
             At steps 0..T.
+
+        Raises
+        ------
+        ArgumentError, ScenarioError
+            If the horizon is no integer, below 0, or longer than that of any scenario.
         """
         from radmpc.model.noise.kept import kept_spread  # noqa: PLC0415 - few need it
 
-        return kept_spread(self, horizon)
+        return kept_spread(self, steps_ahead(horizon))
 
     def covariances(self, horizon: int) -> Tensor:
         """Return the state covariances that follow from start, noise and feedback.
@@ -267,14 +268,13 @@ class Vehicle(Frozen):
 
         Raises
         ------
-        ArgumentError
-            If the horizon is no integer or below 0.
+        ArgumentError, ScenarioError
+            If the horizon is no integer, below 0, or longer than that of any scenario.
         """
-        check_integer(horizon, "horizon", 0)
         if self.has_memory:
             return self.spread(horizon).states
         own = self.initial_covariance, self.disturbance_covariance
-        return covariances(self.system, *own, self.gain, horizon)
+        return covariances(self.system, *own, self.gain, steps_ahead(horizon))
 
     def control_bounds(self, covariances: Tensor) -> Matrix:
         """Return the largest nominal |ū| at each step.
