@@ -11,6 +11,7 @@ from rich.console import Console
 
 from radmpc.console.commands import comparing
 from radmpc.console.reports.comparison_table import comparison_table, rate_text
+from radmpc.errors import ArgumentError
 from radmpc.experiments.comparing import compare
 from radmpc.io.native.scenario_file import load_scenario
 
@@ -118,6 +119,7 @@ def test_compare_says_no_where_no_planner_has_a_plan(run, infeasible):
         (["--planners", "dlp,dlp"], "twice"),
         (["--planners", "dlp", "--figure", "c.txt"], "a figure must end in"),
         (["--jobs", "2", "--dask", "here"], "exclude each other"),
+        (["--samples", str(10**9 + 1)], "samples must be at most 1000000000, got 1000000001"),
     ],
 )
 def test_compare_refuses_what_cannot_be_in_one_line(run, crossing, words, message):
@@ -125,6 +127,13 @@ def test_compare_refuses_what_cannot_be_in_one_line(run, crossing, words, messag
     assert result.exit_code == 2
     assert message in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize("samples", [0, 10**9 + 1])
+def test_samples_that_cannot_be_flown_are_refused_before_planning(crossing, monkeypatch, samples):
+    monkeypatch.setattr("radmpc.experiments.comparing.plan", lambda *_, **__: pytest.fail("plans"))
+    with pytest.raises(ArgumentError, match=r"^samples must be .* got "):
+        next(compare(load_scenario(crossing), ("dlp",), samples=samples))
 
 
 @pytest.mark.parametrize(

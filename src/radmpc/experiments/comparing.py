@@ -14,6 +14,7 @@ from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.records import dataclass
 from radmpc.referee import Simulation, simulate
+from radmpc.referee.simulation.simulation import check_samples
 from radmpc.result import Result
 
 __all__ = ["Comparison", "compare"]
@@ -87,8 +88,8 @@ def compare(
     ------
     ScenarioError
         If there is no such planner; before any is run.
-    ArgumentTypeError
-        If an argument is of another kind.
+    ArgumentError
+        If an argument is of another kind, or ``samples`` not from 1 to 10⁹; before any is run.
     """
     check_scenario(scenario)
     if isinstance(planners, str) or not isinstance(planners, Iterable):
@@ -96,7 +97,7 @@ def compare(
     records = [(parse_planner(name), name.strip()) for name in planners]
     rng = check_integer(rng, "rng", 0)
     check_time_limit(time_limit)
-    samples = check_integer(samples, "samples", 1)
+    samples = check_samples(samples)
     return _compared(scenario, records, rng, time_limit, samples, executor, progress, stop)
 
 

@@ -18,7 +18,7 @@ from radmpc.records import dataclass
 from radmpc.referee.simulation.preparation import prepare
 from radmpc.system.processors import num_processors
 
-__all__ = ["Simulation", "simulate"]
+__all__ = ["Simulation", "check_samples", "simulate"]
 
 _CHUNK_NUMBERS = 100_000
 """Numbers per chunk and step: small enough for the cache, large enough for numpy. Fixed, because a
@@ -132,6 +132,30 @@ class Simulation:
         )
 
 
+def check_samples(samples: object) -> int:
+    """Return how many samples to fly; refuse none, and more than anybody waits for.
+
+    Parameters
+    ----------
+    samples : object
+        The argument.
+
+    Returns
+    -------
+    int
+        From 1 to 10⁹, Python's.
+
+    Raises
+    ------
+    ArgumentError
+        With what is allowed.
+    """
+    count = check_integer(samples, "samples", 1)
+    if count > _MOST_SAMPLES:
+        raise ArgumentError(f"samples must be at most {_MOST_SAMPLES}, got {value_text(count)}")
+    return count
+
+
 def simulate(
     plan: Plan,
     samples: int = 100_000,
@@ -191,10 +215,7 @@ def simulate(
     True
     """
     plan = plan_under(plan, avoidance)
-    samples = check_integer(samples, "samples", 1)
-    if samples > _MOST_SAMPLES:
-        told = value_text(samples)
-        raise ArgumentError(f"samples must be at most {_MOST_SAMPLES}, got {told}")
+    samples = check_samples(samples)
     check_rng(rng)
     check_callable(progress, "progress")
     flight = prepare(plan)
