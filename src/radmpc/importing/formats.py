@@ -21,11 +21,11 @@ from radmpc.importing.grid.movingai import is_movingai, map_refusal, read_moving
 from radmpc.importing.grid.problem import is_multi_robot_grid, read_multi_robot_grid
 from radmpc.importing.lsc import is_lsc, read_lsc
 from radmpc.importing.options import ImportOptions
+from radmpc.importing.outputs import content_text, name_text
 from radmpc.importing.problem import ForeignProblem
 from radmpc.importing.s2m2 import is_s2m2, read_s2m2
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
-from radmpc.io.native.schema import SCENARIO_FORMAT
 from radmpc.io.text.document import Document, read_document
 from radmpc.io.text.files import one_line
 from radmpc.io.text.yaml_text import NOT_YAML
@@ -179,13 +179,14 @@ def _of_problem(document: Document, options: ImportOptions) -> ImportedScenario:
                 raise document.failure(error) from error
             _check_readable(imported, document.name)
             return imported
-    if isinstance(document.value, Mapping) and document.value.get("format") == SCENARIO_FORMAT:
-        raise FileFormatError(one_line(f"{document.name}: is a scenario already"))
-    raise _unknown(document.name)
+    raise _unknown(document.name, document.value)
 
 
-def _unknown(name: str) -> FileFormatError:
+def _unknown(name: str, value: object = None) -> FileFormatError:
     """Return the error of a file that no importer knows."""
+    told = content_text(value) or name_text(name)
+    if told is not None:
+        return FileFormatError(one_line(f"{name}: {told}"))
     known = ", ".join([*(importer.name for importer in _IMPORTERS), "GeoJSON", "KML"])
     return FileFormatError(one_line(f"{name}: is of no format known here ({known})"))
 
@@ -210,16 +211,13 @@ def _read(path: str | os.PathLike[str]) -> Document:
     except (OSError, ValueError):
         size = 0  # reading it tells what is wrong
     if size > _MOST_BYTES:
-        raise FileFormatError(
-            one_line(
-                f"{os.fspath(path)}: must be at most {_MOST_BYTES // 2**20} MiB, "
-                f"got {size / 2**20:.0f}"
-            )
-        )
+        much = f"must be at most {_MOST_BYTES // 2**20} MiB, got {size / 2**20:.0f}"
+        raise FileFormatError(one_line(f"{os.fspath(path)}: {name_text(path) or much}"))
     try:
         return _READERS.get(suffix, read_document)(path)
     except FileFormatError as error:
         # Where a file that is not called YAML is none, its errors are not reported.
-        if NOT_YAML in str(error) and suffix not in {".yaml", ".yml"}:
+        is_other = NOT_YAML in str(error) and suffix not in {".yaml", ".yml"}
+        if is_other or name_text(path) is not None:
             raise _unknown(os.fspath(path)) from error
         raise

@@ -129,7 +129,8 @@ class _Reader:
             raise self._failure(f"must not be nested deeper than {MAX_DEPTH} levels")
         if tag in _OTHER_SHAPES or (tag == "LinearRing" and self._open[-1] not in _BOUNDARIES):
             # A track left out may have been meant as a border, a link may lead to obstacles.
-            raise self._failure(f"must be Points, LineStrings and Polygons only, got a {tag}")
+            hint = ": paths of plans are not imported" if tag.endswith("Track") else ""
+            raise self._failure(f"must be Points, LineStrings and Polygons only, got a {tag}{hint}")
         self._line = self.parser.CurrentLineNumber
         self._text = []
         if tag == "Placemark":
