@@ -66,7 +66,7 @@ class PriceControl:
     is_urgent : bool
         Whether rounds take so long that a first plan is worth more than a cheap one.
     is_brief : bool
-        Whether the first plan that spends enough of Δ ends the rounds.
+        Whether the first plan that is charged enough of Δ ends the rounds.
     is_large : bool
         Whether little of the whole is much of many vehicles.
     num_stalls : int
