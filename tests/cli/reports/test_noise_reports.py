@@ -48,3 +48,20 @@ def test_vehicles_with_time_constants_of_their_own_have_one_each(run: Run, tmp_p
     assert "differ beyond chance: each has its own numbers" in result.stdout
     assert result.stdout.count("time constant  ") == 2
     assert "one time constant does not describe it" not in result.stdout
+
+
+def test_measurement_noise_that_may_be_none_has_an_upper_end_alone(
+    run: Run, tmp_path: Path
+) -> None:
+    truth = Truth(steps=1500, seen=(0.05, 0.0, 0.0, 0.0))
+    (tmp_path / "wind.csv").write_text(as_csv(fly(truth, 1)), encoding="utf-8")
+    [group] = json.loads(run("identify", "wind.csv", "--json").stdout)["groups"]
+    ends = group["measurement"]
+    assert 0.0 < ends["low"][0][0] < 0.05 < ends["high"][0][0]
+    assert ends["low"][1][1] is None
+    assert 0.0 < ends["value"][1][1] < ends["high"][1][1]
+    lines = run("identify", "wind.csv").stdout.splitlines()
+    [sure] = [line for line in lines if line.startswith("measurement of x,")]
+    [unsure] = [line for line in lines if line.startswith("measurement of y,")]
+    assert " to " in sure
+    assert f"not identifiable, at most {ends['high'][1][1] ** 0.5:.3g}" in unsure

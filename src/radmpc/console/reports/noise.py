@@ -195,7 +195,7 @@ def _rows(one: Estimate, identified: Identification) -> Iterator[Row]:
     if one.measurement is not None:
         for i, name in enumerate(names):
             if one.measurement.value[i, i] > 0.0:
-                yield _root(f"measurement of {name}, std. dev.", one.measurement, i, units[i])
+                yield _sensed(name, one.measurement, i, units[i])
     if one.gain is not None:
         yield from _gains(one.gain, names, model.has_velocity)
 
@@ -245,6 +245,15 @@ def _root(name: str, covariance: Interval, i: int, unit: str) -> Row:
         for part in (covariance.value, covariance.low, covariance.high)
     )
     return _row(name, value, low, high, unit)
+
+
+def _sensed(name: str, measurement: Interval, i: int, unit: str) -> Row:
+    """Return the row of the noise of a state's measurement: where it may be none, its upper end."""
+    row = _root(f"measurement of {name}, std. dev.", measurement, i, unit)
+    if measurement.low[i, i] > 0.0:
+        return row
+    high = float(np.sqrt(measurement.high[i, i]))
+    return row[0], row[1], f"not identifiable, at most {high:.3g}", unit
 
 
 def _row(name: str, value: float, low: float, high: float, unit: str) -> Row:

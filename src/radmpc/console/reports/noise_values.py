@@ -65,7 +65,7 @@ def _group_json(one: Estimate) -> dict[str, object]:
         "has_drift": one.has_drift,
         "gain": _interval_json(one.gain),
         "time_constant": _interval_json(one.time_constant),
-        "measurement": _interval_json(one.measurement),
+        "measurement": _interval_json(None if one.measurement is None else _sure(one.measurement)),
         "gaussian": None if kind is None else kind.is_gaussian,
         "anderson_darling": None if kind is None else kind.chance,
         "excess_kurtosis": None if kind is None else kind.excess_kurtosis,
@@ -77,6 +77,14 @@ def _group_json(one: Estimate) -> dict[str, object]:
             "high": plain_array(np.array(kind.freedom_high)),
         },
     }
+
+
+def _sure(measurement: Interval) -> Interval:
+    """Return measurement noise without lower ends of variances that may be none."""
+    low = np.array(measurement.low)
+    may_be_none = np.diag(low) <= 0.0
+    low[may_be_none, may_be_none] = np.nan
+    return Interval(measurement.value, low, measurement.high)
 
 
 def _interval_json(interval: Interval | None) -> dict[str, object] | None:
