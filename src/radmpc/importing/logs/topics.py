@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,8 +13,14 @@ from radmpc.importing.logs.series import ODOMETRY, POSE, Series
 
 __all__ = ["is_reference", "vehicles_of"]
 
-_REFERENCE = ("ref", "setpoint", "target", "desired", "goal", "cmd", "command")
+_REFERENCE = frozenset({
+    "ref", "refs", "reference", "references", "setpoint", "setpoints", "target", "targets",
+    "desired", "goal", "goals", "cmd", "cmds", "command", "commands", "commanded",
+})  # fmt: skip
 """Words in a topic's last parts that make it say where the vehicle is to be."""
+
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
+"""A word of a topic: parts end at whatever is no letter, and where a capital begins another."""
 
 _APART = 0.2
 """Share [-] of what two topics' places move that the way between them must vary by before they
@@ -72,7 +79,7 @@ def is_reference(leaf: str) -> bool:
     leaf : str
         Its name behind the vehicle's.
     """
-    return any(word in leaf.lower() for word in _REFERENCE)
+    return any(word.lower() in _REFERENCE for word in _WORD.findall(leaf))
 
 
 def _split(topic: str) -> tuple[str, str]:
