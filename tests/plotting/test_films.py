@@ -83,6 +83,42 @@ def test_names_that_move_with_vehicles_stay_within_the_axes(flat_plan: Plan) -> 
         assert all(box.x0 >= frame_of_all.x0 and box.x1 <= frame_of_all.x1 for box in boxes)
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_names_keep_apart_where_vehicles_meet(
+    flat_plan: Plan, space_plan: Plan, dimension: int
+) -> None:
+    plan = flat_plan if dimension == 2 else space_plan
+    first, *others = plan.trajectories
+    # All fly the same way, so that all names have the same place.
+    flown = [first, *(replace(t, means=first.means) for t in others)]
+    film = animate_plan(replace(plan, trajectories=flown), frames_per_step=1)
+    names = [trajectory.name for trajectory in flown]
+    for frame in range(HORIZON + 1):
+        ax = drawn(film, frame)
+        ax.figure.draw_without_rendering()
+        shown = [t for t in ax.findobj(Text) if t.get_text() in names and t.get_visible()]
+        assert len(shown) == min(len(names), 2 if dimension == 3 else 6)
+        # They may touch: half a pixel each is rounding.
+        boxes = [text.get_window_extent().padded(-0.5) for text in shown]
+        assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
+
+
+def test_a_name_without_a_place_is_left_out_until_it_has_one(space_plan: Plan) -> None:
+    trajectory, vehicle = space_plan.trajectories[0], space_plan.scenario.vehicles[0]
+    names = ("one", "two", "six")
+    fleet = [replace(vehicle, name=name) for name in names]
+    away = np.array(trajectory.means)
+    away[1:, 0] += 4.0
+    means = (trajectory.means, trajectory.means, away)
+    flown = [replace(trajectory, name=n, means=m) for n, m in zip(names, means, strict=True)]
+    scenario = replace(space_plan.scenario, vehicles=fleet, keep=(), obstacles=())
+    plan = replace(space_plan, scenario=scenario, trajectories=flown, sets=(names,), couplings=())
+    film = animate_plan(plan, frames_per_step=1)
+    for frame, is_shown in ((0, False), (HORIZON, True), (0, False)):
+        [text] = [t for t in drawn(film, frame).findobj(Text) if t.get_text() == "six"]
+        assert text.get_visible() is is_shown
+
+
 def test_vehicles_are_where_the_plan_has_them_at_every_step(flat_plan: Plan) -> None:
     film = animate_plan(flat_plan, frames_per_step=3)
     for step in range(HORIZON + 1):

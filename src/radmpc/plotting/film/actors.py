@@ -7,7 +7,6 @@ from typing import Protocol
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
-from matplotlib.patheffects import withStroke
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
@@ -24,7 +23,6 @@ from radmpc.plotting.artists.straying import (
     rings_artist,
     spread_rings,
 )
-from radmpc.plotting.canvas.labels import LabelBoard, shortened
 from radmpc.plotting.canvas.style import (
     LABEL_SIZE,
     MAX_LABELS,
@@ -33,6 +31,7 @@ from radmpc.plotting.canvas.style import (
     OBSTACLE_FILL,
     WALL_WIDTH,
 )
+from radmpc.plotting.film.names import FlatName, MovingName, NamesApart, SolidName
 from radmpc.plotting.film.ranges import RangeLine
 from radmpc.plotting.interpolation import InterpolatedPath, interpolated_path, moving_outline
 
@@ -84,16 +83,20 @@ def draw_actors(ax: Axes, plan: Plan, colors: dict[str, Color], per_step: int) -
             actors.append(_FlatObstacle(ax, obstacle) if is_flat else _SolidObstacle(ax, obstacle))
     is_named = plan.scenario.num_vehicles <= MAX_LABELS
     places: dict[str, Matrix] = {}
+    names: list[MovingName] = []
     for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False):
         path = interpolated_path(
             vehicle, trajectory, per_step, intervals=plan.scenario.avoidance == "intervals"
         )
         kind = _SolidVehicle if isinstance(ax, Axes3D) else _FlatVehicle
-        actors.append(kind(ax, vehicle, path, colors[vehicle.name], is_named, per_step))
+        actor = kind(ax, vehicle, path, colors[vehicle.name], is_named, per_step)
+        actors.append(actor)
+        names.append(actor.name)
         places[vehicle.name] = path.positions
     for one, other in (kept.vehicles for kept in plan.scenario.keep if places):
         actors.append(RangeLine(ax, f"{one}:{other}", places[one], places[other]))
-    return actors
+    # Last: names are placed where vehicles have come to.
+    return [*actors, NamesApart(names)] if is_named else actors
 
 
 class _FlatVehicle:
@@ -125,16 +128,7 @@ class _FlatVehicle:
         for patch in (self.box, self.region, self.hull):
             ax.add_patch(patch)
         [self.trail] = ax.plot([], [], color=color, linewidth=1.0, zorder=5, gid=f"trail:{name}")
-        board = LabelBoard(ax)
-        written = shortened(name, board.most_letters())
-        left, right = ax.get_xlim()
-        half = 0.5 * float(board.size(written)[0])
-        self.reach = left + half, right - half  # of a name's middle, so that all can be read
-        self.name = ax.annotate(
-            written if is_named else "", (0.0, 0.0), fontsize=LABEL_SIZE, color=color, ha="center",
-            va="center", zorder=10, xytext=(0.0, 7.0), textcoords="offset points",
-            path_effects=[withStroke(linewidth=1.4, foreground="white")],
-        )  # fmt: skip
+        self.name = FlatName(ax, name if is_named else "", color)
 
     def show(self, frame: int, time: float) -> None:
         """Show it at a frame."""
@@ -143,7 +137,7 @@ class _FlatVehicle:
         self.region.set_xy(place + 3.0 * (self.path.roots[frame] @ _CIRCLE).T)
         self.box.set_xy(self.path.boxes[min(int(time), len(self.path.boxes) - 1)])
         self.trail.set_data(*self.path.positions[: frame + 1].T)
-        self.name.xy = (float(np.clip(place[0], *self.reach)), float(place[1]))
+        self.name.move(place)
 
 
 class _SolidVehicle:
@@ -177,10 +171,7 @@ class _SolidVehicle:
             [], [], [], linestyle="none", marker="o", markersize=5.0, color=color, zorder=52,
             gid=f"vehicle:{name}",
         )  # fmt: skip
-        self.name = ax.text(
-            0.0, 0.0, 0.0, name if is_named else "", fontsize=LABEL_SIZE, color=color, zorder=56,
-            ha="center", path_effects=[withStroke(linewidth=1.4, foreground="white")],
-        )  # fmt: skip
+        self.name = SolidName(ax, name if is_named else "", color)
 
     def _rings(self, frame: int) -> list[Matrix]:
         """Return the three principal rings of the 3σ ellipsoid."""
@@ -197,7 +188,7 @@ class _SolidVehicle:
         self.rings.set_segments(self._rings(frame))
         box = self.path.boxes[min(int(time), len(self.path.boxes) - 1)]
         self.box.set_verts(_triangles(box))
-        self.name.set_position_3d(been[-1])
+        self.name.move(been[-1])
 
 
 class _FlatObstacle:
