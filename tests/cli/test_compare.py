@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 from contextlib import nullcontext
 
 import pytest
@@ -11,6 +12,7 @@ from rich.console import Console
 
 from radmpc.console.commands import comparing
 from radmpc.console.reports.comparison_table import comparison_table, rate_text
+from radmpc.console.reports.progress import progress_line
 from radmpc.errors import ArgumentError
 from radmpc.experiments.comparing import compare
 from radmpc.io.native.scenario_file import load_scenario
@@ -151,3 +153,38 @@ def test_an_interruption_tells_which_planners_are_left_out(run, crossing, monkey
     monkeypatch.setattr(comparing, "stop_on_interrupt", lambda: nullcontext(lambda: bool(pressed)))
     result = run("compare", crossing, "--planners", "dlp, radmpc", "--samples", 100)
     assert result.stderr.splitlines()[-1] == f"radmpc: interrupted: {end}"
+
+
+def test_a_terminal_gets_every_planner_when_it_is_done(run, crossing, monkeypatch):
+    terminal = io.StringIO()
+    seen = []
+
+    def watched(*given, **words):
+        for one in compare(*given, **words):
+            seen.append(terminal.getvalue())
+            yield one
+
+    def drawn():
+        return progress_line(Console(file=terminal, force_terminal=True, width=200))
+
+    words = ("compare", crossing, "--planners", "dlp, radmpc", "--samples", 100)
+    piped = run(*words)
+    monkeypatch.setattr(comparing, "compare", watched)
+    monkeypatch.setattr(comparing, "progress_line", drawn)
+    result = run(*words)
+    assert "cost" not in seen[0]
+    assert "dlp" in seen[1]
+    assert "feasible, cost " in seen[1]
+    assert "radmpc" in terminal.getvalue()
+    seconds = re.compile(r"[0-9.]+$", re.MULTILINE)
+    assert seconds.sub("", result.stdout) == seconds.sub("", piped.stdout)
+    assert piped.stderr == ""
+
+
+def test_a_planner_alone_is_told_in_the_table_only(run, crossing, monkeypatch):
+    terminal = io.StringIO()
+    console = Console(file=terminal, force_terminal=True)
+    monkeypatch.setattr(comparing, "progress_line", lambda: progress_line(console))
+    result = run("compare", crossing, "--planners", "dlp", "--samples", 100)
+    assert "cost" in result.stdout
+    assert "cost" not in terminal.getvalue()

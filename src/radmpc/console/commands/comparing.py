@@ -9,7 +9,7 @@ from rich.text import Text
 
 from radmpc.console.output import note, show, show_json, width
 from radmpc.console.picture import check_picture, drawing
-from radmpc.console.reports.comparison_table import comparison_table
+from radmpc.console.reports.comparison_table import comparison_line, comparison_table
 from radmpc.console.reports.progress import progress_line
 from radmpc.console.running.guard import Code
 from radmpc.console.running.interrupt import stop_on_interrupt
@@ -103,18 +103,19 @@ def run_compare(scenario: Scenario, request: CompareRequest) -> int:
         workers(request.jobs, request.dask) as executor,
         progress_line() as progress,
     ):
-        found.extend(
-            compare(
-                scenario,
-                request.planners,
-                rng=request.seed,
-                time_limit=request.time_limit,
-                samples=request.samples,
-                executor=executor,
-                progress=progress,
-                stop=is_stopped,
-            )
-        )
+        for one in compare(
+            scenario,
+            request.planners,
+            rng=request.seed,
+            time_limit=request.time_limit,
+            samples=request.samples,
+            executor=executor,
+            progress=progress,
+            stop=is_stopped,
+        ):
+            found.append(one)
+            if len(request.planners) > 1:
+                progress.keep(comparison_line(one))
         was_interrupted = is_stopped()
     if request.as_json:
         show_json({"scenario": scenario.name, "planners": [_as_json(one) for one in found]})

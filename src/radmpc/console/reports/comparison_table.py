@@ -14,7 +14,7 @@ from radmpc.experiments.comparing import Comparison
 from radmpc.planners.wording import rounded
 from radmpc.result import Result
 
-__all__ = ["comparison_table", "rate_text"]
+__all__ = ["comparison_line", "comparison_table", "rate_text"]
 
 _NONE = "–"
 _NAMES = ("cost", "above least", "certificate", "collide (95 %)", "sets", "largest", "seconds")
@@ -45,6 +45,18 @@ def comparison_table(comparisons: Sequence[Comparison], width: int) -> Table:
     return table if needed <= width else _narrow(comparisons, rows)
 
 
+def comparison_line(one: Comparison) -> Text:
+    """Return what a planner made, before what others make is known.
+
+    Parameters
+    ----------
+    one : Comparison
+        Its answer.
+    """
+    status, *cells = _cells(one, None)
+    return Text(", ").join([Text.assemble((one.planner, "bold"), ": ", status), *_facts(cells)])
+
+
 def _wide(comparisons: Sequence[Comparison], rows: Sequence[Sequence[Text | str]]) -> Table:
     """Return a line per planner."""
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
@@ -62,15 +74,20 @@ def _narrow(comparisons: Sequence[Comparison], rows: Sequence[Sequence[Text | st
     table = Table.grid(padding=(0, 0))
     table.add_column(overflow="fold")
     for one, (status, *cells) in zip(comparisons, rows, strict=True):
-        told = [
-            Text.assemble(f"{name} ", cell)
-            for name, cell in zip(_NAMES, cells, strict=False)
-            if str(cell) != _NONE
-        ]
+        told = _facts(cells)
         table.add_row(Text.assemble((one.planner, "bold"), ": ", status))
         if told:
             table.add_row(Padding(Text(", ").join(told), (0, 0, 0, 2)))
     return table
+
+
+def _facts(cells: Sequence[Text | str]) -> list[Text]:
+    """Return each number there is with what it is."""
+    return [
+        Text.assemble(f"{name} ", cell)
+        for name, cell in zip(_NAMES, cells, strict=False)
+        if str(cell) != _NONE
+    ]
 
 
 def _cells(one: Comparison, least: float | None) -> list[Text | str]:

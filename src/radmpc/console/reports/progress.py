@@ -34,6 +34,8 @@ class ProgressLine:
         Takes the line every `every` seconds at most, as it is called; or None.
     every : float
         How often [s].
+    write : callable or None
+        Writes what stays above the line; None writes nothing.
     """
 
     def __init__(
@@ -44,10 +46,11 @@ class ProgressLine:
         keeps: str = "",
         tell: Callable[[str], None] | None = None,
         every: float = _EVERY,
+        write: Callable[[Text], None] | None = None,
     ) -> None:
         self._is_planning, self._keeps = is_planning, keeps
         self._tell, self._every, self._told = tell, every, time.monotonic()
-        self._seconds = seconds
+        self._seconds, self._write = seconds, write
         self._stage = "planning" if is_planning else "working"
         self._best = ""
         self._begun = time.monotonic()
@@ -74,6 +77,17 @@ class ProgressLine:
 
         gap = "" if bound is None else f", gap {percent(relative_gap(cost, bound))}"
         self._best = f"best cost {cost:.6g}{gap}"
+
+    def keep(self, text: Text) -> None:
+        """Write what is done above the line, to stay; nothing where no line is drawn.
+
+        Parameters
+        ----------
+        text : Text
+            One line.
+        """
+        if self._write is not None:
+            self._write(text)
 
     def text(self) -> str:
         """Return the line as of now."""
@@ -125,7 +139,7 @@ def progress_line(
         # Nobody presses keys in a pipe.
         yield ProgressLine(is_planning=is_planning, seconds=seconds, tell=tell)
         return
-    line = ProgressLine(is_planning=is_planning, seconds=seconds, keeps=keeps)
+    line = ProgressLine(is_planning=is_planning, seconds=seconds, keeps=keeps, write=target.print)
     with target.status(line):
         yield line
 
