@@ -104,7 +104,8 @@ class SweepTable:
     Parameters
     ----------
     path : Path
-        The file; one that does not exist is made.
+        The file; one that does not exist is made. A pipe or a device gets all rows, since nothing
+        can be read back.
     axes : sequence of str
         Keys, the first columns.
     question : sequence of str
@@ -119,23 +120,26 @@ class SweepTable:
     def __init__(self, path: Path, axes: Sequence[str], question: Sequence[str]) -> None:
         self.path = path
         self._is_new = not path.exists()
-        self._file = _locked(path)
+        self._is_stream = not self._is_new and not path.is_file()
+        self._has_header = False
+        self._file = open(path, "wb") if self._is_stream else _locked(path)  # noqa: SIM115 - kept open
         self._header = [*axes, *_COLUMNS, "asked"]
         self._asked = " ".join(question)
         self._num_axes = len(axes)
         try:
-            self.rows = self._read()
+            self.rows = () if self._is_stream else self._read()
         except BaseException:
             self.close()
             raise
 
     def append(self, row: SweepRow) -> None:
-        """Write a row; when this returns it is on the disk."""
+        """Write a row; when this returns it is on the disk, or in the pipe."""
         cells = [*row.values, *(_cell(getattr(row, name)) for name in _COLUMNS), self._asked]
-        is_new = not os.fstat(self._file.fileno()).st_size
-        self._file.write((_line(self._header) if is_new else b"") + _line(cells))
+        self._file.write((b"" if self._has_header else _line(self._header)) + _line(cells))
         self._file.flush()
-        os.fsync(self._file.fileno())
+        self._has_header = True
+        if not self._is_stream:
+            os.fsync(self._file.fileno())
 
     def close(self) -> None:
         """Let others write; a new table without any row is not left behind."""
@@ -149,6 +153,7 @@ class SweepTable:
         self._file.seek(0)
         content = self._file.read()
         whole = content[: content.rfind(b"\n") + 1]
+        self._has_header = bool(content)
         lines = list(csv.reader(io.StringIO(whole.decode("utf-8", "replace"))))
         if lines and lines[0] != self._header:
             raise FileFormatError(f"{self.path}:1: is no table of a sweep over these keys")

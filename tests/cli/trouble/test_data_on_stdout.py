@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import subprocess
 import sys
@@ -57,3 +58,25 @@ def test_what_goes_nowhere_or_into_a_file_is_reported_on_stdout(folder: Path) ->
         command = [sys.executable, "-m", "radmpc", "export", "plan.json", "--to", "csv"]
         subprocess.run([*command, "-o", "/dev/stdout"], cwd=folder, stdout=file, check=True)
     assert b"written to" not in (folder / "kept.csv").read_bytes()
+
+
+def test_a_sweep_on_stdout_is_its_table_and_the_report_stands_on_stderr(folder: Path) -> None:
+    words = ("sweep", "crossing.yaml", "--over", "risk_bound=0.02,0.05", "--planner", "distance")
+    filed = piped(folder, *words, "-o", "table.csv")
+    result = piped(folder, *words, "-o", "/dev/stdout")
+    [header, *rows] = csv.reader(result.stdout.decode().splitlines())
+    [known, *others] = csv.reader((folder / "table.csv").read_text(encoding="utf-8").splitlines())
+    assert header == known
+    assert len(rows) == 2
+    for row, other in zip(rows, others, strict=True):
+        timed = header.index("seconds")
+        assert [*row[:timed], *row[timed + 1 :]] == [*other[:timed], *other[timed + 1 :]]
+    assert b"table written to table.csv" in filed.stdout
+    assert b"table written to /dev/stdout" in result.stderr
+
+
+def test_a_sweep_that_goes_nowhere_is_reported(folder: Path) -> None:
+    words = ("sweep", "crossing.yaml", "--over", "risk_bound=0.05", "--planner", "distance")
+    result = piped(folder, *words, "-o", "/dev/null")
+    assert b"table written to /dev/null" in result.stdout
+    assert Path("/dev/null").is_char_device()
