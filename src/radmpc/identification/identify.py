@@ -113,6 +113,16 @@ def identify(
         If a log contradicts itself, or there is too little of it.
     ScenarioError
         If the step is no number from 1e-6 to 1e6 s.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import radmpc
+    >>> times, pushes = 0.5 * np.arange(400), np.random.default_rng(0).normal(size=(400, 2))
+    >>> positions = np.cumsum(0.1 * pushes, axis=0)  # a raft that drifts at random
+    >>> found = radmpc.identify([radmpc.Track("raft", "by hand", "mine", times, positions)])
+    >>> np.round(np.sqrt(np.diag(found.pooled.covariance.value)), 1)
+    array([0.1, 0.1])
     """
     asked = None if dt is None else check_range(dt, "s", ("dt",))
     axes = None if dimension is None else check_integer(dimension, "dimension", 2, 3)

@@ -47,6 +47,13 @@ class Track(Frozen):
     ------
     ScenarioError
         If a word is no text, an array holds no numbers or some beyond 1e9, or its shape is another.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> track = radmpc.Track("tug", "by hand", "mine", [0.0, 0.5, 1.0], [[0, 0], [1, 0], [2, 1]])
+    >>> track.positions.shape, track.velocities is None
+    ((3, 2), True)
     """
 
     name: str

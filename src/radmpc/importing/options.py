@@ -39,6 +39,12 @@ class ImportOptions:
     layer : sequence of str
         Layers of charts that are taken, by name; none takes all. ``"shore=obstacle"`` also says
         what features are that state no role.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> radmpc.ImportOptions(dt=0.5, risk_bound=0.01).dt
+    0.5
     """
 
     dt: float | None = None

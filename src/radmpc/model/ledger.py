@@ -44,6 +44,15 @@ class LedgerRow:
         When, 0..T.
     risk : float
         Upper bound on the probability [-].
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), "distance", rng=0).require()
+    >>> most = max(plan.risk.ledger, key=lambda row: row.risk)
+    >>> most.cause in {"obstacle", "pair"}, 0.0 < most.risk <= plan.risk.certified
+    (True, True)
     """
 
     cause: Cause
@@ -122,6 +131,16 @@ class Risk:
         Upper bound on the probability that feedback ever asks for more control than there is,
         beside ``certified``: that one speaks of missions in which it does not. None if
         unknown.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), "distance", rng=0).require()
+    >>> plan.risk.certified <= plan.risk.bound
+    True
+    >>> round(sum(row.risk for row in plan.risk.ledger) / plan.risk.certified, 9)
+    1.0
     """
 
     bound: float

@@ -54,6 +54,14 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     -------
     Axes
         The axes drawn on; nothing is shown and nothing saved.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), "distance", rng=0).require()
+    >>> radmpc.plot_distances(plan, most=2).get_ylabel()
+    'distance of hulls [m]'
     """
     check_plan(plan)
     check_axes(ax, 2)

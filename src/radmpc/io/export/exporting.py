@@ -209,6 +209,17 @@ def save_export(
         If the format's library is missing.
     OSError
         If a file cannot be written.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), "distance", rng=0).require()
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.name for path in radmpc.save_export(plan, "csv", Path(folder) / "a.csv").files]
+    ['a.csv']
     """
     exported = export_plan(plan, to, path, options)
     save_exported(exported)

@@ -50,6 +50,19 @@ def load_plan(path: str | os.PathLike[str]) -> Plan:
     ------
     FileFormatError
         With one line that names file, line, field, value and what is allowed.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), "distance", rng=0).require()
+    >>> with TemporaryDirectory() as folder:
+    ...     radmpc.save_plan(plan, Path(folder) / "a.json")
+    ...     read = radmpc.load_plan(Path(folder) / "a.json")
+    >>> read.status is plan.status, [t.name for t in read.trajectories]
+    (True, ['v1', 'v2'])
     """
     check_path(path)
     name, text = os.fspath(path), read_text(path)

@@ -31,6 +31,14 @@ class Coupling:
         Estimated probability of collision [-] for ``collision`` and ``risk``, closest approach
         of the centers [m] for ``distance``, the range to keep [m] for ``range``, None for the
         others. An estimate for ``collision`` is a sum of bounds and may exceed 1.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import circle
+    >>> plan = radmpc.plan(circle(2), "multi-vehicle", rng=0).require()
+    >>> [(one.vehicle, one.other, one.reason) for one in plan.couplings]
+    [('v1', 'v2', 'risk')]
     """
 
     vehicle: str

@@ -135,6 +135,14 @@ def animate_plan(
         If the frames are not 1 to 50, or the axes do not fit the scenario.
     ArgumentTypeError
         If an argument is of another kind.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), "distance", rng=0).require()
+    >>> "<script" in radmpc.animate_plan(plan, frames_per_step=1).to_jshtml()
+    True
     """
     film = make_film(plan, ax, frames_per_step)
     milliseconds = round(1000.0 * SECONDS_PER_STEP / frames_per_step)

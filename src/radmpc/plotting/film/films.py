@@ -59,6 +59,18 @@ def save_animation(
     ------
     FileFormatError
         If the name ends otherwise, or ``ffmpeg`` is missing.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), "distance", rng=0).require()
+    >>> with TemporaryDirectory() as folder:
+    ...     radmpc.save_animation(plan, Path(folder) / "a.gif", frames_per_step=1)
+    ...     [path.name for path in Path(folder).iterdir()]
+    ['a.gif']
     """
     check_path(path)
     target = Path(path)

@@ -67,6 +67,14 @@ def plot_ledger(plan: Plan, figure: Figure | SubFigure | None = None) -> Figure 
     -------
     Figure or SubFigure
         With two axes and a color bar; nothing is shown and nothing saved.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), "distance", rng=0).require()
+    >>> len(radmpc.plot_ledger(plan).axes)
+    3
     """
     check_plan(plan)
     check_figure(figure)

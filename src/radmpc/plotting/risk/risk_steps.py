@@ -37,6 +37,14 @@ def plot_risk(plan: Plan, ax: Axes | None = None) -> Axes:
     -------
     Axes
         The axes drawn on; nothing is shown and nothing saved.
+
+    Examples
+    --------
+    >>> import radmpc
+    >>> from radmpc.experiments.families import paper
+    >>> plan = radmpc.plan(paper(2, seed=1), "distance", rng=0).require()
+    >>> radmpc.plot_risk(plan).get_xlabel()
+    'time [s]'
     """
     check_plan(plan)
     check_axes(ax, 2)
