@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import tempfile
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
@@ -237,15 +236,6 @@ def test_a_flight_tells_every_tick_and_stops_when_asked(tmp_path):
     stopped.is_stopped = lambda: len(stopped.of("tick")) > 2
     assert fly_plan(stopped, planned()[1].plan, 3, 0.0, {"replan": "none"}) == "stopped"
     assert len(stopped.of("tick")) == 3
-
-
-def test_a_flight_without_a_log_writes_no_file_that_a_kill_would_leave(tmp_path, monkeypatch):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    control, seen = Told(), []
-    monkeypatch.setattr(control, "tell", lambda *_: seen.extend(tmp_path.iterdir()))
-    told = fly_plan(control, planned()[1].plan, 3, 0.0, {"replan": "none"})
-    assert told.startswith("flown to its end")
-    assert seen == []
 
 
 def test_a_chart_becomes_a_document(tmp_path):
