@@ -177,12 +177,16 @@ def _mean(ratios: list[float]) -> str:
 
 def main() -> None:
     """Print one line per assumption and family."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--gap", type=float, default=0.005)
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--only", help="assumptions whose name contains this")
     asked = parser.parse_args()
+    if not any((asked.only or "") in name for name in ASSUMPTIONS):
+        parser.error(f"no assumption has {asked.only!r} in its name")
     print("| assumption | problems | plans | effort | seconds |\n|---|---|---|---|---|")
     for name, pair in ASSUMPTIONS.items():
         if asked.only and asked.only not in name:

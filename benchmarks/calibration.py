@@ -81,8 +81,10 @@ def _options() -> argparse.Namespace:
 def _known(path: Path, seed: int, samples: int, *, noise: bool = False) -> list[Trial]:
     """Return the trials of an earlier run."""
     trials = [trial_of(row) for row in rows_of(path)]
-    if any((trial.seed, trial.samples) != (seed, samples) for trial in trials):
-        sys.exit(f"{path}: was made with another seed or number of samples")
+    for trial in trials:
+        if (trial.seed, trial.samples) != (seed, samples):
+            made = f"--seed {trial.seed} --samples {trial.samples}"
+            sys.exit(f"{path}: was made with {made}, not with --seed {seed} --samples {samples}")
     if any(bool(trial.noise) != noise for trial in trials):
         sys.exit(f"{path}: was made {'without' if noise else 'with'} --noise")
     return trials

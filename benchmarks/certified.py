@@ -53,7 +53,9 @@ def row_of(size: int, seed: int, result: Result) -> list[str]:
 
 def main() -> None:
     """Plan and print."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("family", choices=("paper", "fleet", "circle", "clutter"))
     parser.add_argument("sizes", type=int, nargs="+")
     parser.add_argument("--seeds", type=int, default=3)

@@ -134,7 +134,9 @@ def table_of(scene: str, plan: Plan, trials: Sequence[Trial]) -> Table:
 
 def main() -> None:
     """Fly the missions that are missing and print a table per scene."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--missions", type=int, default=75)
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--rules", nargs="+", choices=[*RULES, *PEERS], default=list(RULES))

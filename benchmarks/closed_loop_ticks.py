@@ -92,7 +92,9 @@ def answers(rows: list[Row], deadline: float) -> Iterator[str]:
 
 def main() -> None:
     """Fly the missions that are missing, and print the answers."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--vehicles", type=int, default=16)
     parser.add_argument("--ticks", type=int, default=10_000)
     parser.add_argument("--deadline", type=float, default=0.15, help="of a decision [s]")

@@ -126,22 +126,29 @@ def told(row: Row, best: float | None) -> str:
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--time-limit", type=float, default=20.0)
     parser.add_argument("--only", nargs="*", default=[], help="parts of names")
     parser.add_argument("--seeds", type=int, default=1, help="draws of every family")
     parser.add_argument("--planner", default="certified", help="as in 'certified(60)'")
     parser.add_argument("--lower", action="store_true", help="write best known costs that fell")
     options = parser.parse_args()
+    chosen = [
+        (name, scenario)
+        for name, scenario in problems(options.seeds)
+        if not options.only or any(part in name for part in options.only)
+    ]
+    if not chosen:
+        parser.error(f"no problem has {' or '.join(map(repr, options.only))} in its name")
     best: dict[str, float] = json.loads(BEST_KNOWN.read_text()) if BEST_KNOWN.exists() else {}
     print(
         f"{'problem':40} {'first s (cpu)':>16} {'/best':>6} {'cost':>10} {'faces%':>6} "
         f"{'any %':>6} {'all s (cpu)':>16} {'MB':>6}"
     )
     ratios = []
-    for name, scenario in problems(options.seeds):
-        if options.only and not any(part in name for part in options.only):
-            continue
+    for name, scenario in chosen:
         row = planned(name, scenario, options.planner, options.time_limit)
         print(told(row, best.get(name)), flush=True)
         if row.cost is None:

@@ -33,7 +33,9 @@ def seconds_alone(scenario: Scenario) -> float:
 
 def main() -> None:
     """Plan and print."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("sizes", type=int, nargs="+")
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--limit", type=float, default=120.0)

@@ -39,7 +39,9 @@ def row(path: Path, time_limit: float) -> str:
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folders", nargs="*", type=Path, default=[FOLDER])
     parser.add_argument("--time-limit", type=float, default=60.0)
     given = parser.parse_args()

@@ -163,13 +163,17 @@ def compared(name: str, asked: argparse.Namespace) -> str:
 
 def main() -> None:
     """Print one line per assumption."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--vehicles", type=int, default=8)
     parser.add_argument("--seeds", type=int, default=7)
     parser.add_argument("--gap", type=float, default=1e-3)
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--only", help="assumptions whose name contains this")
     asked = parser.parse_args()
+    if not any((asked.only or "") in name for name in PAIRS):
+        parser.error(f"no assumption has {asked.only!r} in its name")
     taken(paper(2, 0), asked.gap, 2.0)  # what is loaded at first use
     head = "first plan | most | to the end | most | proven without, with | gap to any"
     print(f"| assumption | {head} |")

@@ -6,8 +6,8 @@ the same density. Memory is the peak of the whole process.
 
 from __future__ import annotations
 
+import argparse
 import resource
-import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -90,7 +90,9 @@ def draw_numbers(num_vehicles: int, steps: int) -> None:
 
 def main() -> None:
     """Print one line per fleet."""
-    sizes = [int(a) for a in sys.argv[1:]] or [8, 64, 256]
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("sizes", metavar="vehicles", nargs="*", type=int, default=[8, 64, 256])
+    sizes = parser.parse_args().sizes
     print(f"{SAMPLES} flights, T = 10; seconds")
     print(f"{'vehicles':>8} {'avoidance':>10} {'certify':>9} {'draw':>7} {'simulate':>9} {'MB':>6}")
     for size in sizes:

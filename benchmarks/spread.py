@@ -8,7 +8,7 @@ vehicles, with shares for the constraints that reach leaves (as here) and for al
 
 from __future__ import annotations
 
-import sys
+import argparse
 
 import numpy as np
 
@@ -55,4 +55,8 @@ def main(num_seeds: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 5)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("seeds", nargs="?", type=int, default=5, help="problems, from seed 0 on")
+    main(parser.parse_args().seeds)

@@ -139,7 +139,9 @@ def note(told: list[tuple[float, float]], begun: float, cost: float, bound: floa
 
 def main() -> None:
     """Print one line per seed."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--vehicles", type=int, default=10)
     parser.add_argument("--waypoints", type=int, default=3)
     parser.add_argument("--windows", type=int)

@@ -13,12 +13,12 @@ import radmpc
 from hunting.catch import Notes
 from radmpc.model.plan import Plan
 
-__all__ = ["check_console"]
+__all__ = ["KEYS", "check_console"]
 
 _SECONDS = 120.0
 """That a command may take."""
 
-_KEYS = frozenset(
+KEYS = frozenset(
     [
         "scenario",
         "with",
@@ -45,6 +45,7 @@ _KEYS = frozenset(
         "tick_p99",
         "tick_max",
         "late",
+        "cut_off",
     ]
 )
 """Of `radmpc fly --json`, docs/formats.md."""
@@ -88,8 +89,8 @@ def check_console(plan: Plan, folder: Path, rng: np.random.Generator, notes: Not
     code, told, _ = _run(notes, "fly", str(source), "-o", str(flight), "--json", *options)
     content = _object(notes, "fly", told)
     if content is not None:
-        if set(content) != _KEYS:
-            notes.add("console", f"fly --json: keys {sorted(set(content) ^ _KEYS)}")
+        if set(content) != KEYS:
+            notes.add("console", f"fly --json: keys {sorted(set(content) ^ KEYS)}")
         if code != (0 if content.get("holds") else 1):
             notes.add("console", f"fly: exit code {code} with holds {content.get('holds')}")
     code, told, _ = _run(notes, "verify", str(flight), "--json")

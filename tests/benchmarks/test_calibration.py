@@ -145,7 +145,9 @@ def test_an_interrupted_run_goes_on_where_it_stopped(
     assert after.startswith(before)
     assert "0,99,2" not in after
     assert "2 plans" in capsys.readouterr().out
-    with pytest.raises(SystemExit, match="another seed"):
+    with pytest.raises(
+        SystemExit, match="with --seed 0 --samples 200, not with --seed 0 --samples 100"
+    ):
         run(2, samples=100)
 
 

@@ -1,14 +1,18 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from radmpc.console.commands import calibrating
 from radmpc.io.native.plan_file import save_plan
 from radmpc.io.native.scenario_file import load_scenario
+from radmpc.model.scenario import Scenario
 from radmpc.planning import plan
+from radmpc.result import Result
 
 from .conftest import CROSSING, Run, assert_one_line
 
@@ -84,3 +88,22 @@ def test_the_plan_itself_is_not_written_over(run: Run, planned: Path) -> None:
     result = run("calibrate", "plan.json", "--with", "model", "-o", "plan.json")
     assert result.exit_code == 2
     assert (planned / "plan.json").read_text(encoding="utf-8") == before
+
+
+def test_why_there_is_no_plan_with_the_noise_that_was_found_is_told(
+    run: Run, planned: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def hurried(scenario: Scenario, rng: int) -> Result:
+        return plan(replace(scenario, horizon=2), rng=rng)
+
+    monkeypatch.setattr(calibrating, "make_plan", hurried)
+    words = ("calibrate", "plan.json", "--with", "model", "--missions", "4", "-o", "new.yaml")
+    result = run(*words, "--plan", "new.json")
+    assert result.exit_code == 1
+    said = " ".join(result.stdout.split())
+    assert "no certified plan with that noise: Vehicle 'east' cannot reach its goal" in said
+    assert_one_line(result.stderr)
+    told = json.loads(run(*words, "--plan", "new.json", "--json").stdout)
+    assert told["problem"].startswith("Vehicle 'east' cannot reach its goal")
+    assert (told["plan"], told["after"]) == (None, None)
+    assert json.loads(run(*words, "--json").stdout)["problem"] is None

@@ -12,7 +12,9 @@ import pytest
 import radmpc
 from radmpc.experiments.families import paper
 from radmpc.io.native.encoding import encode_scenario
+from radmpc.io.native.scenario_file import save_scenario
 from radmpc.model.plan import Status
+from radmpc.serving.desk.calls import answer
 from radmpc.serving.desk.desk import Desk
 from radmpc.serving.desk.opening import Opened
 from radmpc.serving.desk.search import Search
@@ -157,3 +159,57 @@ def test_what_a_tick_has_left_is_above_its_bound_only_by_bad_news(tail, bank, le
     view = tick_view(row, SCENARIO, 0.0123456 if left != 0.04 else 0.05)
     assert view["left"] == left
     assert view["spent"] == pytest.approx(0.01 if left == 0.04 else 0.0, abs=1e-9)
+
+
+def test_a_file_that_two_pages_open_at_once_is_one_document(desk, tmp_path):
+    save_scenario(SCENARIO, tmp_path / "two.json")
+
+    async def both():
+        calls = (answer(desk, "open", {"path": "two.json"}) for _ in range(2))
+        return await asyncio.gather(*calls)
+
+    first, second = asyncio.run(both())
+    assert first["document"] == second["document"]
+    assert len(desk.documents) == 1
+
+
+def test_a_file_that_could_not_be_opened_can_be_opened_once_it_is_right(desk, tmp_path):
+    path = tmp_path / "two.json"
+    path.write_text("{", encoding="utf-8")
+
+    async def twice():
+        with pytest.raises(CallError):
+            await answer(desk, "open", {"path": "two.json"})
+        save_scenario(SCENARIO, path)
+        return await answer(desk, "open", {"path": "two.json"})
+
+    assert asyncio.run(twice())["file"] == "two.json"
+
+
+def test_as_many_documents_are_open_as_may_be_though_all_are_asked_for_at_once(desk):
+    async def many():
+        calls = (answer(desk, "new", {"template": None}) for _ in range(24))
+        return await asyncio.gather(*calls, return_exceptions=True)
+
+    failed = [one for one in asyncio.run(many()) if isinstance(one, CallError)]
+    assert len(desk.documents) == 20
+    assert {failure.kind for failure in failed} == {"limit"}
+
+
+def test_a_search_that_was_stopped_is_not_held_on_its_way_to_the_end():
+    signals = []
+    worker = SimpleNamespace(
+        stop=lambda: signals.append("stop"),
+        hold=lambda: signals.append("hold"),
+        go_on=lambda: signals.append("go on"),
+    )
+
+    async def stopped_and_held():
+        search = Search("s1", "d1", 0, None, changed=signals.append, improved=signals.append)
+        search._worker = worker
+        search.stop()
+        search.pause()
+        return search._held_since
+
+    assert asyncio.run(stopped_and_held()) is None
+    assert signals == ["stop"]

@@ -233,3 +233,12 @@ def test_a_file_dropped_on_the_page_is_opened_or_added(site, harbor):
     names = [obstacle["name"] for obstacle in both["content"]["obstacles"]]
     assert names == ["breakwater", "islet", "pier", "breakwater 2", "islet 2", "pier 2"]
     assert len(both["view"]["obstacles"]) == 6
+
+
+@pytest.mark.parametrize("obstacles", ["[a, b]", "{name: a}", "3", "[null]"])
+def test_dropped_obstacles_that_are_none_are_refused_and_nothing_changes(site, harbor, obstacles):
+    page, state = harbor
+    content = f"format: radmpc/scenario/1\nobstacles: {obstacles}"
+    with pytest.raises(CallFailedError, match=r"o\.yaml: obstacles must be a list of mappings"):
+        page.call("drop", name="o.yaml", content=content, into=state["document"])
+    assert page.call("state", document=state["document"])["revision"] == state["revision"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import tempfile
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,6 +15,9 @@ from radmpc.io.flight.record import FlightSettings
 from radmpc.serving.desk.calls import answer
 from radmpc.serving.desk.opening import read_file
 from radmpc.serving.failures import CallError
+from radmpc.serving.protocol import TickView
+from radmpc.serving.work.control import Control
+from radmpc.serving.work.flying import fly_plan
 
 
 @pytest.fixture
@@ -83,3 +87,21 @@ def test_a_flight_with_what_there_is_begins(replan):
     args = {"plan": "p1", "seed": 0, "pace": 0.0, "options": {"with": "boat", "replan": replan}}
     assert asyncio.run(answer(desk, "fly", args)) == "running"
     assert begun == [{"with": "boat", "replan": replan}]
+
+
+def test_a_flight_without_a_log_writes_no_file_that_a_kill_would_leave(
+    flown: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, steps, seen = tmp_path / "temporary", [], []
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+
+    def tell(_: str, tick: TickView) -> None:
+        steps.append(tick["step"])
+        seen.extend(folder.iterdir())
+
+    control = Control(tell, SimpleNamespace(value=0))
+    plan = radmpc.load_flight(flown).plan
+    assert fly_plan(control, plan, 3, 0.0, {"replan": "none"}).startswith("flown to its end")
+    assert steps == [0, 1, 2, 3]
+    assert seen == []

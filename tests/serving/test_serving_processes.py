@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import os
 import signal
 import subprocess
@@ -197,7 +198,7 @@ def test_a_port_that_is_taken_or_a_missing_extra_is_one_line(tmp_path, monkeypat
     with listening(0) as port:
         number = port.getsockname()[1]
         assert app(["serve", "--port", str(number)], standalone_mode=False) == 2
-    assert f"port {number}" in capsys.readouterr().err
+    assert capsys.readouterr().err == f"radmpc: port {number}: {os.strerror(errno.EADDRINUSE)}\n"
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     assert app(["serve"], standalone_mode=False) == 2
     said = capsys.readouterr().err

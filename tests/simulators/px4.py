@@ -27,6 +27,7 @@ class Px4:
     start: tuple[float, float, float]  # north, east, down
     refuses: tuple[int, ...] = ()
     ignores: tuple[int, ...] = ()
+    loses: tuple[int, ...] = ()  # as ignores, each the first time alone
     silent_after: float = np.inf
     blind: tuple[float, float] = (np.inf, np.inf)
     autopilot: int = common.MAV_AUTOPILOT_PX4
@@ -34,6 +35,7 @@ class Px4:
     setpoints: list[np.ndarray] = field(default_factory=list)
     modes: list[tuple[int, int]] = field(default_factory=list)
     lost_setpoints: bool = False
+    heard: list[tuple[int, int]] = field(default_factory=list)  # commands, how often sent before
 
     def run(self, stopped: threading.Event) -> None:
         """Fly until stopped."""
@@ -74,7 +76,9 @@ class Px4:
 
     def _obey(self, message: Any) -> None:
         result = common.MAV_RESULT_ACCEPTED
-        if message.command in self.ignores:
+        is_first = not any(command == message.command for command, _ in self.heard)
+        self.heard.append((message.command, message.confirmation))
+        if message.command in self.ignores or (is_first and message.command in self.loses):
             return
         if message.command in self.refuses:
             result = common.MAV_RESULT_DENIED

@@ -126,6 +126,17 @@ def test_a_vehicle_that_cannot_be_taken_command_of_ends_the_flight(
 
 
 @pytest.mark.slow
+def test_a_command_without_an_answer_is_sent_again_and_an_answered_one_is_not() -> None:
+    vehicles = pair(loses=(MODE, ARM))
+    with in_the_air(*vehicles):
+        backend = over(vehicles)
+        backend.reset()
+        taken = [list(vehicle.heard) for vehicle in vehicles]
+        backend.close()
+    assert taken == [[(MODE, 0), (MODE, 1), (ARM, 0), (ARM, 1)], [(MODE, 0), (ARM, 0)]]
+
+
+@pytest.mark.slow
 def test_a_link_that_is_lost_ends_the_flight_and_the_others_hold() -> None:
     vehicles = pair(silent_after=0.5)
     with in_the_air(*vehicles):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import signal
 import socket
 from collections.abc import Callable
@@ -67,7 +68,9 @@ def listening(port: int) -> socket.socket:
     try:
         return socket.create_server(("127.0.0.1", port))
     except OSError as error:
-        raise ServingError(f"port {port}: {error.strerror or error}") from error
+        # Python adds to the system's words what it was doing.
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise ServingError(f"port {port}: {reason}") from error
 
 
 def serve(serving: Serving, port: socket.socket, said: Callable[[str], None]) -> None:

@@ -180,43 +180,62 @@ class Link:
             )
         )
 
-    def ask(self, what: str) -> int:
-        """Send a command, and return its number, by which `answer` finds what came of it.
+    def ask(self, what: str, times: int = 0) -> None:
+        """Send a command.
 
         Parameters
         ----------
         what : {'offboard', 'hold', 'arming'}
             The mode, or to start motors.
+        times : int
+            How often it has been sent before.
         """
+        command = self._command(what)
         if what == "arming":
-            command, parts = self._dialect.MAV_CMD_COMPONENT_ARM_DISARM, (1.0, 0.0, 0.0)
+            parts = 1.0, 0.0, 0.0
         else:
             main, sub = _MODES[what]
-            command, parts = self._dialect.MAV_CMD_DO_SET_MODE, (1.0, float(main), float(sub))
-        self._answers.pop(command, None)
+            parts = 1.0, float(main), float(sub)
         self._send(
             self._dialect.MAVLink_command_long_message(
-                *self._target, command, 0, *parts, 0.0, 0.0, 0.0, 0.0
+                *self._target, command, min(times, 255), *parts, 0.0, 0.0, 0.0, 0.0
             )
         )
-        return int(command)
 
-    def answer(self, command: int, what: str) -> bool:
+    def forget(self, what: str) -> None:
+        """Forget what was answered to a command, before it is sent for another reason.
+
+        Parameters
+        ----------
+        what : str
+            As in `ask`.
+        """
+        self._answers.pop(self._command(what), None)
+
+    def has_answered(self, what: str) -> bool:
+        """Whether anything has been answered to a command, that it is being carried out included.
+
+        Parameters
+        ----------
+        what : str
+            As in `ask`.
+        """
+        return self._command(what) in self._answers
+
+    def answer(self, what: str) -> bool:
         """Whether a command has been accepted; not yet is no.
 
         Parameters
         ----------
-        command : int
-            Its number.
         what : str
-            What it was, for the message.
+            As in `ask`.
 
         Raises
         ------
         LinkError
             If it has been refused.
         """
-        result = self._answers.get(command)
+        result = self._answers.get(self._command(what))
         if result in {None, self._dialect.MAV_RESULT_IN_PROGRESS}:
             return False
         if result != self._dialect.MAV_RESULT_ACCEPTED:
@@ -225,6 +244,12 @@ class Link:
             reason = word.removeprefix("MAV_RESULT_").lower().replace("_", " ")
             raise LinkError(f"vehicle {self.name!r}: {what} was refused ({reason})")
         return True
+
+    def _command(self, what: str) -> int:
+        """Return the number of a command."""
+        if what == "arming":
+            return int(self._dialect.MAV_CMD_COMPONENT_ARM_DISARM)
+        return int(self._dialect.MAV_CMD_DO_SET_MODE)
 
     def _send(self, message: Any) -> None:
         """Send a message, if anybody was heard; a network that is away is noticed by silence."""

@@ -17,6 +17,9 @@ __all__ = ["STALE", "Stream"]
 STALE = 0.5
 """Age from which a state is no measurement [s]: at 2 m/s a meter."""
 
+_AGAIN = 1.0
+"""After which a command without an answer is sent again [s]: datagrams may be lost."""
+
 _TIMES = 3
 """How often a vehicle is told to hold when nobody waits for its answer [-]: one may be lost."""
 
@@ -115,7 +118,7 @@ class Stream:
         return places, velocities
 
     def command(self, what: str) -> None:
-        """Ask every vehicle for something, and wait until all have accepted.
+        """Ask every vehicle for something, again if it does not answer, until all have accepted.
 
         Parameters
         ----------
@@ -127,9 +130,21 @@ class Stream:
         LinkError
             If one refuses, or does not answer.
         """
+        asked = [(-np.inf, 0)] * len(self._links)
+
+        def has_accepted(i: int) -> bool:
+            link, now, (last, times) = self._links[i], self._clock(), asked[i]
+            if link.has_answered(what):
+                return link.answer(what)
+            if now - last >= _AGAIN:
+                link.ask(what, times)
+                asked[i] = now, times + 1
+            return False
+
         with self._lock:
-            asked = [link.ask(what) for link in self._links]
-        self.wait_for(lambda i: self._links[i].answer(asked[i], what), f"does not answer to {what}")
+            for link in self._links:
+                link.forget(what)
+        self.wait_for(has_accepted, f"does not answer to {what}")
 
     def wait_for(self, has: Callable[[int], bool], lack: str) -> None:
         """Wait until all vehicles have something.

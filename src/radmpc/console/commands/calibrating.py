@@ -120,7 +120,7 @@ def run_calibrate(request: CalibrateRequest) -> int:
     before = _Flown(plan.scenario.risk_bound, certify(plan).certified, found.rate)
     with writing(request.output):
         save_scenario(found.scenario, request.output)
-    after = None if request.plan_output is None else _planned(request, found, making)
+    after = _planned(request, found, making)
     if request.as_json:
         show_json(_record(request, found, before, after))
     else:
@@ -128,9 +128,9 @@ def run_calibrate(request: CalibrateRequest) -> int:
     return Code.OK if request.plan_output is None else _judged(after)
 
 
-def _judged(after: _Flown | None) -> Code:
+def _judged(after: _Flown | str | None) -> Code:
     """Say on stderr what speaks against the new plan, and return the exit code."""
-    if after is None:
+    if not isinstance(after, _Flown):
         note("no certified plan with that noise")
         return Code.NO
     if not after.holds:
@@ -170,11 +170,13 @@ def _options(typed: tuple[str, ...]) -> dict[str, str]:
     return found
 
 
-def _planned(request: CalibrateRequest, found: Calibration, making: Making) -> _Flown | None:
-    """Plan with the noise that was found, write the plan, and fly it; None if there is none."""
-    result = make_plan(found.scenario, rng=request.seed)
-    if not result.is_certified or request.plan_output is None:
+def _planned(request: CalibrateRequest, found: Calibration, making: Making) -> _Flown | str | None:
+    """Plan with the noise that was found, write the plan, and fly it; or say why there is none."""
+    if request.plan_output is None:
         return None
+    result = make_plan(found.scenario, rng=request.seed)
+    if not result.is_certified:
+        return result.explanation or result.record.status_sentence
     plan: Plan = result.require()
     with writing(request.plan_output):
         save_plan(plan, request.plan_output)
@@ -191,7 +193,7 @@ def _planned(request: CalibrateRequest, found: Calibration, making: Making) -> _
 
 
 def _report(
-    request: CalibrateRequest, found: Calibration, before: _Flown, after: _Flown | None
+    request: CalibrateRequest, found: Calibration, before: _Flown, after: _Flown | str | None
 ) -> list[Table | Text]:
     """Return what was found as parts to show."""
     ratios = ", ".join(f"{cover.ratio:.2f}" for cover in found.covers)
@@ -202,11 +204,11 @@ def _report(
         "feedback": _loops_sentence(found),
         "scenario": f"written to {request.output}",
     }
-    if after is not None:
+    if isinstance(after, _Flown):
         rows["planned anew"] = _sentence(after)
         rows["plan"] = f"written to {request.plan_output}"
-    elif request.plan_output is not None:
-        rows["planned anew"] = Text("no certified plan with that noise", style="yellow")
+    elif after is not None:
+        rows["planned anew"] = Text(f"no certified plan with that noise: {after}", style="yellow")
     return [*noise_report(found.identification), Text(), facts(rows)]
 
 
@@ -235,7 +237,7 @@ def _sentence(flight: _Flown) -> Text:
 
 
 def _record(
-    request: CalibrateRequest, found: Calibration, before: _Flown, after: _Flown | None
+    request: CalibrateRequest, found: Calibration, before: _Flown, after: _Flown | str | None
 ) -> dict[str, object]:
     """Return what was found as plain values."""
     vehicles = found.scenario.vehicles
@@ -266,8 +268,9 @@ def _record(
             for loop in found.loops
         ],
         "scenario": str(request.output),
-        "plan": None if after is None else str(request.plan_output),
-        "after": None if after is None else _plain(after),
+        "plan": str(request.plan_output) if isinstance(after, _Flown) else None,
+        "after": _plain(after) if isinstance(after, _Flown) else None,
+        "problem": after if isinstance(after, str) else None,
     }
 
 

@@ -57,6 +57,7 @@ class Desk:
         self.first: str | None = None
         self.opening: asyncio.Task[None] | None = None
         self.judging: dict[str, asyncio.Future[Plan]] = {}
+        self.reading: dict[str, asyncio.Future[Document]] = {}
         self._numbers = {kind: count(1) for kind in "dpsf"}
         self._lookout = Lookout(self.crew, self._seen)
 
@@ -115,11 +116,12 @@ class Desk:
         CallError
             If too many documents are open.
         """
-        if len(self.documents) >= _MOST_DOCUMENTS:
-            raise CallError("limit", f"{_MOST_DOCUMENTS} documents are open: close one")
         own = file if opened.is_scenario else None
         document = Document(self._number("d"), opened.content, own, opened.origin)
         await document.read()
+        # Others may have been added while it was read.
+        if len(self.documents) >= _MOST_DOCUMENTS:
+            raise CallError("limit", f"{_MOST_DOCUMENTS} documents are open: close one")
         self.documents[document.number] = document
         self.first = self.first or document.number
         if opened.plan is not None:

@@ -97,7 +97,13 @@ async def opened(desk: Desk, args: Args) -> object:
     for document in desk.documents.values():
         if document.file == name:
             return desk.state(document)
-    return desk.state(await _added(desk, place, name))
+    reading = desk.reading.get(name)
+    if reading is None:
+        reading = asyncio.ensure_future(_added(desk, place, name))
+        desk.reading[name] = reading
+        reading.add_done_callback(lambda _: desk.reading.pop(name, None))
+    # Who asks for it meanwhile gets the same document: two of one file would overwrite each other.
+    return desk.state(await asyncio.shield(reading))
 
 
 async def dropped(desk: Desk, args: Args) -> object:
@@ -142,9 +148,11 @@ async def _merged(desk: Desk, document: Document, place: Path, name: str) -> obj
     else:
         content = (await asyncio.to_thread(read_file, place, name)).content
         found = content.get("obstacles") or []
+        if not isinstance(found, list) or not all(isinstance(entry, dict) for entry in found):
+            raise refused(f"{name}: obstacles must be a list of mappings")
     ours = document.content.get("obstacles")
     entries = list(ours) if isinstance(ours, list) else []
-    taken = {entry.get("name") for entry in entries if isinstance(entry, dict)}
+    taken = {str(entry.get("name")) for entry in entries if isinstance(entry, dict)}
     for entry in found:
         fresh, count = str(entry.get("name", "obstacle")), 1
         while fresh in taken:

@@ -124,8 +124,9 @@ class Search:
             asyncio.get_running_loop().call_later(_PATIENCE, self._give_up)
 
     def pause(self) -> None:
-        """Stand still; the time limit does, too."""
-        if self._worker is not None and not self._is_over and self._held_since is None:
+        """Stand still; the time limit does, too. One that was stopped goes on to its end."""
+        is_free = not (self._is_over or self._is_stopped)
+        if self._worker is not None and is_free and self._held_since is None:
             self._worker.hold()
             self._held_since = time.monotonic()
             self._changed(self)

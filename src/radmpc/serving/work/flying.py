@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 import time
 from collections.abc import Mapping
-from contextlib import ExitStack
 from typing import Any
 
 import numpy as np
@@ -63,23 +60,26 @@ def fly_plan(
         name, None if replan == "none" else replan, 1, seed, options.get("deadline")
     )
     check_replan(plan.scenario, settings)
-    with ExitStack() as stack:
-        path = options.get("log")
-        if path is None:
-            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="radmpc-"))
-            path = os.path.join(folder, "flight.jsonl")
-        writer = stack.enter_context(FlightWriter.begin(path, plan, settings, {}))
+    path = options.get("log")
+    if path is None:
+        return _flown(control, plan, settings, None, pace)
+    with FlightWriter.begin(path, plan, settings, {}) as writer:
         return _flown(control, plan, settings, writer, pace)
 
 
 def _flown(
-    control: Control, plan: Plan, settings: FlightSettings, writer: FlightWriter, pace: float
+    control: Control,
+    plan: Plan,
+    settings: FlightSettings,
+    writer: FlightWriter | None,
+    pace: float,
 ) -> str:
-    """Fly the mission: every tick is on the disk before it is flown."""
+    """Fly the mission: every tick is on the disk, where there is a log, before it is flown."""
     scenario = plan.scenario
 
     def tell(row: TickRow) -> None:
-        writer.append(row)
+        if writer is not None:
+            writer.append(row)
         control.tell("tick", tick_view(row, scenario, scenario.risk_bound))
 
     mission = RecordedMission(plan, 0, tell, planner=settings.replan, seed=settings.seed)
