@@ -165,3 +165,11 @@ def test_a_problem_without_agents_is_refused(tmp_path: Path) -> None:
     text = "agents: []\nstarts: []\ngoals: []\nlimits: [[0, 1], [0, 1]]\n"
     with pytest.raises(FileFormatError, match=r":1: agents: needs at least one agent, got none"):
         import_scenario(written(tmp_path, text))
+
+
+def test_where_all_stay_there_are_steps_as_long_as_in_motion(tmp_path: Path) -> None:
+    """The middle of a region differs from the start by rounding alone, at 1e-7 m/s."""
+    staying = TWO.replace("[[2, 20], [36, 25]]", "[[32.00000000001, 12], [7, 25.00000000001]]")
+    scenario = import_scenario(written(tmp_path, staying)).scenario
+    assert scenario.dt == pytest.approx(2.0)
+    assert scenario.horizon == 10

@@ -49,6 +49,10 @@ get a plan within 60 s in steps of 1 m, in which they pass a cell each."""
 _STRIDE = 4.0
 """Radii per step at full speed: finer steps multiply the choices, not the room."""
 
+_STAYING = 1e-3
+"""Steps at full speed up to which all vehicles count as staying where they are [-]: the middle of a
+goal that is a region may differ from a start by rounding alone."""
+
 
 def choose_steps(
     vehicles: Sequence[ForeignVehicle],
@@ -98,7 +102,9 @@ def choose_steps(
     factor = _TIGHT_FACTOR if is_tight else _DETOUR_FACTOR
     if is_crowded:
         factor = max(factor, _CROWDED_FACTOR)
-    duration = max(_TIME_FACTOR * straight, factor * least) or _FEWEST_STEPS * stride
+    duration = max(_TIME_FACTOR * straight, factor * least)
+    if duration < _STAYING * stride:
+        duration = _FEWEST_STEPS * stride
     if options.horizon is not None:
         horizon = int(options.horizon)
     elif options.dt is not None:

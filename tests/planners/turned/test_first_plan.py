@@ -12,12 +12,15 @@ from radmpc import Goal, Scenario, Vehicle, certify, double_integrator, import_s
 from radmpc.experiments.families import circle, paper
 from radmpc.model.obstacle import Obstacle
 from radmpc.planners.certified.search import PriceSearch
+from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned import attempts as making
 from radmpc.planners.certified.turned.detours import detours
+from radmpc.planners.certified.turned.first_plan import _seconds as first_seconds
 from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks
 from radmpc.planners.certified.turned.paths import timed
 from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.successive import SuccessiveLp
+from radmpc.planners.verdict import Verdict
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
@@ -254,3 +257,12 @@ def test_who_gives_way_at_once_has_a_certified_plan_before_the_search(
     result = first_plan(scenario, time_limit=30.0)
     assert result.plan is not None
     assert certify(result.plan).holds
+
+
+def test_few_vehicles_have_some_seconds_for_a_first_plan_whatever_the_limit() -> None:
+    scenario = circle(4)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    for limit, least in ((200.0, 19.9), (60.0, 9.9), (20.0, 7.9), (1.0, 0.39)):
+        limits = Limits().within(limit)
+        task = Task(hazards, lambda _: Verdict(1.0, ()), limits, 1e-3, 0.05, lambda _: None)
+        assert least < first_seconds(task, is_aside=True, is_maze=False) < 0.41 * limit

@@ -151,10 +151,13 @@ def _worth(hazards: Hazards, paths: Paths) -> float:
 
 def _seconds(task: Task, *, is_aside: bool, is_maze: bool) -> float:
     """Return after how long no other attempt is begun [s]."""
-    time_share = TUNING.easy_share if is_aside else TUNING.first_time_share
+    left = task.limits.seconds_left
     # Where many share narrow ways, the search among faces has led to no plan.
     most = np.inf if is_maze else TUNING.first_seconds
-    return float(min(most, time_share * task.limits.seconds_left))
+    share = TUNING.first_time_share * left
+    if is_aside:
+        share = max(TUNING.easy_share * left, min(TUNING.easy_seconds, TUNING.easy_most * left))
+    return float(min(most, share))
 
 
 def _is_among_many(hazards: Hazards, largest: int) -> bool:

@@ -19,6 +19,12 @@ _BORDER = 3.0
 _BESIDE = 3
 """Points on each side among which the nearest one is looked for first [-]."""
 
+_PLANE = 2
+"""Dimension in which corners are looked at."""
+
+_RIGHT = 1e-6
+"""Cosine up to which a corner counts as a right angle [-]."""
+
 FREE = 3.0
 """Standard deviations from an obstacle from which on a route counts as free [-]."""
 
@@ -84,7 +90,7 @@ class Grid:
             faces = faces[faces.any(axis=1)]
             offsets = (faces @ shapes.vertices[piece, 0].T).max(axis=1)
             outside = (mesh[part] @ faces.T - offsets).max(axis=-1)
-            if count is not None:
+            if count is not None or _is_sharp(faces, shapes.vertices[piece, 0]):
                 outside = np.maximum(outside, _from_corners(mesh[part], shapes.vertices[piece, 0]))
             distances[part] = np.minimum(distances[part], outside)
         shape = distances.shape
@@ -112,6 +118,18 @@ class Grid:
             if is_open.size and float(away.min()) < reach:
                 return int(is_open[away.argmin()])
         return -1
+
+
+def _is_sharp(faces: Matrix, corners: Matrix) -> bool:
+    """Whether two faces in the plane meet at less than a right angle.
+
+    Past such a corner the distance of faces may be any small part of that of the corner.
+    """
+    if corners.shape[1] != _PLANE:
+        return False
+    normals = faces[np.argsort(np.arctan2(faces[:, 1], faces[:, 0]))]
+    turns = np.einsum("fd,fd->f", normals, np.roll(normals, -1, axis=0))
+    return bool(turns.min(initial=1.0) < -_RIGHT)
 
 
 def _from_corners(points: Tensor, corners: Matrix) -> Tensor:

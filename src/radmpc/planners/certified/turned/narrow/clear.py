@@ -9,7 +9,7 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.grid import Grid
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 
 __all__ = ["Clear"]
 
@@ -28,16 +28,19 @@ class Clear:
         Their distances, those far away cut off [m].
     least : (r, c) array
         No more than their distances, far away as well [m].
+    inside : (r, c) array or None
+        How far inside the workspace they are, negative outside [m]; None without one.
     """
 
     grid: Grid
     origin: Vector
     field: Matrix
     least: Matrix
+    inside: Matrix | None = None
 
     @classmethod
     def of(cls, hazards: Hazards) -> Clear | None:
-        """Return the distances, borders of the workspace among them; None where they tell nothing.
+        """Return the distances, without borders; None where they tell nothing.
 
         Parameters
         ----------
@@ -52,14 +55,31 @@ class Clear:
             return None
         far = float(10.0 * hazards.radii.max() + grid.spacing)
         field, least = np.minimum(grid.distances, far), _least(grid)
+        fields = field.reshape(grid.shape), least.reshape(grid.shape)
+        inside = None
         if hazards.workspace is not None:
             lower, upper = hazards.workspace
             inside = np.minimum(grid.points - lower, upper - grid.points).min(axis=1)
-            # Centers stay inside: the hull may reach out.
-            inside += float(hazards.radii.min())
-            field, least = np.minimum(field, inside), np.minimum(least, inside)
-        fields = field.reshape(grid.shape), least.reshape(grid.shape)
-        return cls(grid, grid.points[0], *fields)
+            inside = inside.reshape(grid.shape)
+        return cls(grid, grid.points[0], *fields, inside)
+
+    def within_borders(self, radius: float) -> Clear:
+        """Return the distances of a hull, borders of the workspace among them.
+
+        Parameters
+        ----------
+        radius : float
+            Of the hull [m]. Its center stays inside, so it may reach out by as much.
+        """
+        if self.inside is None:
+            return self
+        inside = self.inside + radius
+        return replace(
+            self,
+            field=np.minimum(self.field, inside),
+            least=np.minimum(self.least, inside),
+            inside=None,
+        )
 
     def at(self, places: Tensor) -> Tensor:
         """Return the distance at places, (...) [m], from their coordinates, (..., 2) [m]."""

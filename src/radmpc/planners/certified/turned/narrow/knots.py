@@ -49,7 +49,8 @@ def joint_routes(
     # Two that turn a corner one behind the other come as near as a diagonal of half a cell.
     least = np.sqrt(2.0) * (2.0 * radius + TUNING.joint_sigmas[1] * np.sqrt(2.0) * spread)
     spacing, origin = _lattice(np.vstack([starts, goals]), float(least))
-    nodes, neighbors = _graph(clear, spacing, origin, radius + TUNING.joint_sigmas[0] * spread)
+    room = radius + TUNING.joint_sigmas[0] * spread
+    nodes, neighbors = _graph(clear.within_borders(radius), spacing, origin, room)
     if not 0 < len(nodes) <= TUNING.lattice_nodes:
         return {}
     ends = []

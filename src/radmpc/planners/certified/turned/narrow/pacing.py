@@ -36,6 +36,7 @@ class Pacing:
         self._tracks: dict[int, list[tuple[Track, float]]] = {}
         self._placed: dict[int, Matrix] = {}
         self._known: dict[tuple[int, int], tuple[Matrix, Closeness]] = {}
+        self._hurry = 0.0
 
     def offer(self, routes: Mapping[int, Sequence[Matrix]], fineness: float = 1.0) -> None:
         """Let vehicles take routes, too, as far as there is any pace for them.
@@ -74,6 +75,9 @@ class Pacing:
     def run(self, order: Sequence[int], is_stopped: Callable[[], bool]) -> dict[int, Matrix]:
         """Return where vehicles are at each step, each on the best of its routes.
 
+        At least effort a vehicle takes all the time there is: where nobody finds a pace after it,
+        all of them hurry to their goals.
+
         Parameters
         ----------
         order : sequence of int
@@ -86,12 +90,24 @@ class Pacing:
         mapping of int to (T+1, 2) array
             Positions [m]; empty where no order of those tried leads to any.
         """
+        placed = self._in_order(tuple(order), is_stopped)
+        if placed or is_stopped():
+            return placed
+        self._hurry = TUNING.hurry
+        placed = self._in_order(tuple(order), is_stopped)
+        self._hurry = 0.0
+        return placed
+
+    def _in_order(
+        self, following: tuple[int, ...], is_stopped: Callable[[], bool]
+    ) -> dict[int, Matrix]:
+        """Return where vehicles are, placed in an order or one that follows from it; or nothing."""
         tried: set[tuple[int, ...]] = set()
-        following = tuple(order)
+        count = len(following)
         while (
             len(tried) < TUNING.pace_orders
             and following not in tried
-            and len(self._tracks) == len(order)
+            and len(self._tracks) == count
         ):
             tried.add(following)
             self._placed = {}
@@ -145,7 +161,7 @@ class Pacing:
             if placed.size:
                 beside = placed[passing_by(self._hazards, each, paths, self._clearance)]
                 others = [self._closeness(each, j) for j in beside.tolist()]
-            found = each.paced(self._hazards.horizon, others)
+            found = each.paced(self._hazards.horizon, others, hurry=self._hurry)
             if found is not None and (best is None or found[1] < best[1]):
                 best = found
         if best is not None:

@@ -30,7 +30,7 @@ def shortest_routes(
         As in `Pacing`.
     """
     found = detours(hazards, range(hazards.count), clearance, clear.grid)
-    return {i: [_distinct(clear.pulled(route, _room(hazards, i)))] for i, route in found.items()}
+    return {i: [_distinct(_pulled(hazards, clear, i, [route])[0])] for i, route in found.items()}
 
 
 def pulled_routes(
@@ -53,9 +53,7 @@ def pulled_routes(
         goal = hazards.models[i].vehicle.goal
         ends = hazards.models[i].drift_position[:1], 0.5 * (goal.lower + goal.upper)
         found[i] = [
-            _distinct(
-                np.vstack([ends[0], *(clear.pulled(p, _room(hazards, i)) for p in route), ends[1]])
-            )
+            _distinct(np.vstack([ends[0], *_pulled(hazards, clear, i, route), ends[1]]))
             for route in (parts[i], beside[i])
         ]
     return found
@@ -71,6 +69,12 @@ def _parts(path: Matrix) -> list[Matrix]:
     waits = np.cumsum(~is_rest)[is_rest] - 1
     marks = np.unique(np.concatenate([[0], waits, [len(moving) - 1]]))
     return [moving[a : b + 1] for a, b in pairwise(marks.tolist())]
+
+
+def _pulled(hazards: Hazards, clear: Clear, i: int, pieces: Sequence[Matrix]) -> list[Matrix]:
+    """Return the corners of the pieces of a vehicle's route, each pulled straight."""
+    beside = clear.within_borders(float(hazards.radii[i]))
+    return [beside.pulled(piece, _room(hazards, i)) for piece in pieces]
 
 
 def _room(hazards: Hazards, i: int) -> float:

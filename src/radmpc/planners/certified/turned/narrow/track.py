@@ -92,6 +92,8 @@ class Track:
         horizon: int,
         others: Iterable[Closeness],
         crowded: npt.NDArray[np.float32] | None = None,
+        *,
+        hurry: float = 0.0,
     ) -> tuple[Matrix, float] | None:
         """Return where the vehicle is at each step at the best pace, (T+1, 2) [m], and its cost.
 
@@ -103,6 +105,8 @@ class Track:
             What being near each of those costs that are out of the way already.
         crowded : (T, m, n) array or None
             What moves from places cost beside that, by their length.
+        hurry : float
+            What a step before the goal costs, in multiples of what reaching full speed costs [-].
 
         Returns
         -------
@@ -111,6 +115,8 @@ class Track:
         """
         num_levels, _, count = self.costs.shape
         near = np.zeros((horizon, self.num_displacements, count), dtype=np.float32)
+        if hurry > 0.0:
+            near[:, :, : count - 1] += hurry * self.price / _MISSED
         if crowded is not None:
             near += crowded
         for step, place, lack in others:
@@ -242,7 +248,7 @@ def _limits(model: CondensedModel) -> tuple[float, float, Vector]:
 
 def _lack(hazards: Hazards, i: int, places: Matrix, most: int, kept: tuple[Clear, float]) -> Matrix:
     """Return the room that moves from place to place miss, (n, m) [m], by their length."""
-    clear, clearance = kept
+    clear, clearance = kept[0].within_borders(float(hazards.radii[i])), kept[1]
     spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
     needed = float(hazards.radii[i]) + clearance * spread
     ends = np.minimum(np.arange(len(places))[:, None] + np.arange(most), len(places) - 1)

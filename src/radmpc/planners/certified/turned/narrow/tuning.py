@@ -58,6 +58,9 @@ class Tuning:
         How far paths are sought beside those on a coarser grid [radii of the largest].
     pace_orders : int
         Orders in which vehicles are paced, at most [-].
+    hurry : float
+        What a step before the goal costs where no order at least effort leads to places for all, in
+        multiples of what reaching full speed costs [-].
     finenesses : tuple of float
         Places on the paths of those that find no controls for their pace, in multiples of the
         usual number [-]: where corners fall between places, others may be on them.
@@ -131,6 +134,7 @@ class Tuning:
     corner_sigmas: float = 6.0
     beside: float = 2.8
     pace_orders: int = 16
+    hurry: float = 1.0
     finenesses: tuple[float, ...] = (0.75, 1.25, 1.5)
     mends: int = 2
     grid_pace: float = 0.8
