@@ -138,8 +138,12 @@ class Certified(Decomposition):
                 run.found(state.incumbent.cost, finite(result.on_any))
                 return _draft(fleet, state, result, begun, result.on_any)
         if run.limits.reached:
-            # All that follows would begin only to end.
-            return _draft(fleet, cheaper(state, first), result, begun, result.on_any)
+            # All that follows would begin only to end. The plan may be of the last moment.
+            state = cheaper(state, first)
+            if state.has_plan:
+                tell(run, state.incumbent.cost, reported_bound(fleet, state, planner.gap))
+                run.improved(state.incumbent.controls)
+            return _draft(fleet, state, result, begun, result.on_any)
         found = replace(result, state=state)
         limits = but_for_certificates(run.limits, judge.seconds)
         return self._finished(found, planner.gap, replace(run, limits=limits), begun)
