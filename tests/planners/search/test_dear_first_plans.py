@@ -77,38 +77,43 @@ class Told:
         )
 
 
-def costing(times: float, certified: float) -> FleetIncumbent:
+def costing(times: float) -> FleetIncumbent:
     """Return a plan of `circle(2)` that costs so many times what its vehicles cost alone."""
     alone = SuccessiveLp(FACING, Limits())
     assert alone.begin_alone()
-    return FleetIncumbent((), times * alone.paths.cost(), certified=certified)
+    return FleetIncumbent((), times * alone.paths.cost(), certified=0.04)
 
 
 FACING = Hazards.of(circle(2), condensed_models(circle(2)))
 
 
-def test_a_dear_first_plan_that_leaves_most_of_the_risk_bound_waits_for_the_next() -> None:
+def test_a_dear_first_plan_of_few_waits_for_the_next() -> None:
     told = Told()
-    with closing(FirstReports(told.run, FACING, 0.05)) as report:
-        report(costing(3.0, 0.001))
+    with closing(FirstReports(told.run, FACING)) as report:
+        report(costing(3.0))
         assert (len(told.costs), len(told.plans)) == (0, 1)
-        report(costing(2.5, 0.001))
+        report(costing(2.5))
         assert (len(told.costs), len(told.plans)) == (1, 2)
-    assert told.costs == [costing(2.5, 0.001).cost]
+    assert told.costs == [costing(2.5).cost]
 
 
-@pytest.mark.parametrize(("times", "certified"), [(1.5, 0.001), (3.0, 0.04)])
-def test_other_first_plans_are_reported_at_once(times: float, certified: float) -> None:
+def test_other_first_plans_are_reported_at_once() -> None:
     told = Told()
-    FirstReports(told.run, FACING, 0.05)(costing(times, certified))
-    assert told.costs == [costing(times, certified).cost]
+    FirstReports(told.run, FACING)(costing(1.5))
+    assert told.costs == [costing(1.5).cost]
+
+
+def test_dear_first_plans_of_more_vehicles_are_reported_at_once() -> None:
+    told, crowd = Told(), Hazards.of(circle(5), condensed_models(circle(5)))
+    FirstReports(told.run, crowd)(costing(100.0))
+    assert told.costs == [costing(100.0).cost]
 
 
 def test_a_first_plan_that_waits_is_reported_in_the_end() -> None:
     told = Told()
-    with closing(FirstReports(told.run, FACING, 0.05)) as report:
-        report(costing(3.0, 0.001))
-    assert told.costs == [costing(3.0, 0.001).cost]
+    with closing(FirstReports(told.run, FACING)) as report:
+        report(costing(3.0))
+    assert told.costs == [costing(3.0).cost]
 
 
 def turning(is_routed: bool) -> Turning:
