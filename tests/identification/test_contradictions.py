@@ -7,6 +7,7 @@ import pytest
 
 from radmpc.errors import FileFormatError
 from radmpc.identification import Track, identify
+from radmpc.identification.axes import check_axes
 from simulator import Truth, fly
 
 
@@ -49,6 +50,12 @@ def test_velocities_that_are_a_little_off_are_told() -> None:
     found = identify([track.changed({"velocities": 1.3 * track.velocities})])
     assert any("times as far along x as vx says" in line for line in found.warnings)
     assert not any("times as far" in line for line in identify([track]).warnings)
+
+
+def test_short_logs_are_not_told_of_what_is_chance() -> None:
+    for seed in range(100):
+        [track] = fly(Truth(steps=80, feedback=(-0.01, -0.03)), seed, "commands")
+        assert check_axes(track) == (), seed
 
 
 @pytest.mark.parametrize(
