@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import threading
 import time
@@ -14,6 +15,8 @@ import numpy as np
 from pymavlink.dialects.v20 import common
 
 _TICK = 0.01
+HOLD = (4, 3)
+"""PX4's main and sub mode."""
 
 
 @dataclass
@@ -32,6 +35,9 @@ class Px4:
     blind: tuple[float, float] = (np.inf, np.inf)
     autopilot: int = common.MAV_AUTOPILOT_PX4
     garbage: bool = False
+    pilot_after: float = np.inf  # a pilot switches to position control
+    fails_after: float = np.inf  # motors stop
+    stays: bool = False  # in the mode in which it is, whatever it answers
     setpoints: list[np.ndarray] = field(default_factory=list)
     modes: list[tuple[int, int]] = field(default_factory=list)
     lost_setpoints: bool = False
@@ -43,7 +49,7 @@ class Px4:
         self._protocol.robust_parsing = True
         self._place, self._speed = np.array(self.start, dtype=float), np.zeros(3)
         self._armed: float | None = None
-        self._offboard = False
+        self._mode = (3, 0)
         self._last, self._moved = -np.inf, time.monotonic()
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as self._socket:
             self._socket.setblocking(False)
@@ -87,8 +93,8 @@ class Px4:
             self.modes.append(mode)
             if mode == (6, 0) and (len(self.setpoints) < 2 or time.monotonic() - self._last > 0.5):
                 result = common.MAV_RESULT_TEMPORARILY_REJECTED
-            else:
-                self._offboard = mode == (6, 0)
+            elif not self.stays:
+                self._mode = mode
         elif message.command == common.MAV_CMD_COMPONENT_ARM_DISARM:
             self._armed = time.monotonic()
         self._send(common.MAVLink_command_ack_message(message.command, result))
@@ -96,10 +102,13 @@ class Px4:
     def _fly(self) -> None:
         now = time.monotonic()
         passed, self._moved = min(now - self._moved, 5.0 * _TICK), now
-        if not (self._offboard and self._armed is not None):
+        if not (self._mode == (6, 0) and self._armed is not None):
             return
         if time.monotonic() - self._last > 0.5:
-            self._offboard, self.lost_setpoints = False, True
+            self._mode, self.lost_setpoints = HOLD, True
+            return
+        if self._since_armed() > self.pilot_after:
+            self._mode = (3, 0)
             return
         place, speed, push = self.setpoints[-1]
         push = push + 60.0 * (place - self._place) + 15.0 * (speed - self._speed)
@@ -114,7 +123,11 @@ class Px4:
             self._socket.sendto(b"\xfd\x09nonsense" * 3, ("127.0.0.1", self.port))
         if count % 20 == 0:
             kind = common.MAV_TYPE_QUADROTOR, self.autopilot
-            self._send(common.MAVLink_heartbeat_message(*kind, 0, 0, 4, 3))
+            is_armed = self._armed is not None and since < self.fails_after
+            base = common.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+            base |= common.MAV_MODE_FLAG_SAFETY_ARMED * is_armed
+            mode = self._mode[0] << 16 | self._mode[1] << 24
+            self._send(common.MAVLink_heartbeat_message(*kind, base, mode, 4, 3))
         if count % 2 == 0 and not self.blind[0] < since < self.blind[1]:
             numbers = [float(number) for number in (*self._place, *self._speed)]
             self._send(common.MAVLink_local_position_ned_message(10 * count, *numbers))
@@ -140,8 +153,13 @@ def in_the_air(*vehicles: Px4) -> Iterator[None]:
 
 
 def free_port(count: int) -> int:
-    """Return the first of some ports nobody listens at."""
-    for first in range(20000, 60000, 10):
+    """Return the first of some ports nobody listens at.
+
+    Each process looks elsewhere first: between looking and listening another could take them.
+    """
+    begin = 10 * (os.getpid() % 4000)
+    for step in range(0, 40000, 10):
+        first = 20000 + (begin + step) % 40000
         sockets = []
         try:
             for port in range(first, first + count):

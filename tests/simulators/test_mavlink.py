@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import os
 import socket
 import sys
 import threading
@@ -13,7 +12,7 @@ from boats import asked, sea
 
 pytest.importorskip("pymavlink", reason="needs: pip install 'radmpc[mavlink]'")
 
-from px4 import Px4, free_port, in_the_air
+from px4 import HOLD, Px4, free_port, in_the_air
 from pymavlink.dialects.v20 import common
 
 from radmpc.errors import ArgumentError, ScenarioError
@@ -25,7 +24,7 @@ pytestmark = pytest.mark.waits
 
 AIR = sea(dt=0.4, horizon=4)
 ARM, MODE = common.MAV_CMD_COMPONENT_ARM_DISARM, common.MAV_CMD_DO_SET_MODE
-HOLD = (4, 3)
+STAYS = "accepts offboard mode, and does not enter it"
 STARTS = tuple(vehicle.start for vehicle in AIR.vehicles)
 
 
@@ -38,7 +37,7 @@ def nothing_left(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 def pair(**wrong: object) -> tuple[Px4, Px4]:
     """Return the vehicles of `AIR` at a height of 5 m; what is wrong is so with the first."""
-    port = free_port(2 + os.getpid() % 5)
+    port = free_port(2)
     east = Px4(port, (0.0, 0.0, -5.0), **wrong)  # type: ignore[arg-type] # of any kind
     return east, Px4(port + 1, (0.0, 14.0, -5.0))
 
@@ -111,6 +110,10 @@ def test_setpoints_are_streamed_while_a_decision_takes_its_time() -> None:
         ({"blind": (-2.0, 0.0)}, "vehicle 'east': says nothing of where it is, waited 0.8 s"),
         ({"silent_after": -2.0}, "vehicle 'east': nothing is heard at {address}, waited 0.8 s"),
         ({"autopilot": 3}, "vehicle 'east': must be flown by PX4 (autopilot 12), got autopilot 3"),
+        (
+            {"stays": True},
+            "vehicle 'east': accepts offboard mode, and does not enter it, waited 0.8 s",
+        ),
         ({"start": (9.0, 99.0, -5.0)}, "vehicle 'east': does not get to its start, waited 0.8 s"),
     ],
 )
@@ -145,6 +148,38 @@ def test_a_link_that_is_lost_ends_the_flight_and_the_others_hold() -> None:
         with pytest.raises(LinkError, match=r"^vehicle 'east': not heard for 0.6 s$"):
             hover(backend, 4)
     assert vehicles[1].modes[-1] == HOLD
+
+
+@pytest.mark.slow
+def test_a_pilot_who_takes_over_ends_the_flight_and_is_left_alone() -> None:
+    vehicles = pair(pilot_after=0.5)
+    with in_the_air(*vehicles):
+        backend = over(vehicles)
+        backend.reset()
+        line = r"^vehicle 'east': left offboard mode \(position control\): a pilot or a failsafe"
+        with pytest.raises(LinkError, match=line):
+            hover(backend, 4)
+    assert HOLD not in vehicles[0].modes
+    assert vehicles[1].modes[-1] == HOLD
+
+
+@pytest.mark.slow
+def test_motors_that_stop_end_the_flight() -> None:
+    vehicles = pair(fails_after=0.5)
+    with in_the_air(*vehicles):
+        backend = over(vehicles)
+        backend.reset()
+        with pytest.raises(LinkError, match=r"^vehicle 'east': was disarmed$"):
+            hover(backend, 4)
+    assert vehicles[1].modes[-1] == HOLD
+
+
+@pytest.mark.slow
+def test_who_was_never_commanded_is_not_told_to_hold() -> None:
+    vehicles = pair(refuses=(MODE,))
+    with in_the_air(*vehicles), pytest.raises(LinkError, match="offboard was refused"):
+        over(vehicles).reset()
+    assert HOLD not in vehicles[0].modes
 
 
 @pytest.mark.slow

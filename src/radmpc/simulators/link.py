@@ -22,6 +22,18 @@ _PX4 = 12
 _MODES = {"offboard": (6, 0), "hold": (4, 3)}
 """PX4's main and sub modes [-]."""
 
+_OFFBOARD = _MODES["offboard"][0]
+
+_MODE_NAMES = {
+    1: "manual",
+    2: "altitude control",
+    3: "position control",
+    5: "acro",
+    7: "stabilized",
+}
+_AUTO, _AUTO_NAMES = 4, {2: "takeoff", 3: "hold", 4: "mission", 5: "return", 6: "land"}
+"""Of main modes, and of the sub modes of one, for messages."""
+
 _USE_ALL_BUT_YAW = 0b1100_0000_0000
 """POSITION_TARGET_TYPEMASK: position, velocity and acceleration count [-]."""
 
@@ -85,6 +97,12 @@ class Link:
         Where it last said it was.
     heard : float
         When it was last heard, by the clock [s].
+    is_ours : bool
+        Whether it has accepted offboard mode, or is in it: others are not told to hold.
+    is_offboard : bool
+        Whether it is in offboard mode, by its last heartbeat.
+    is_armed : bool
+        Whether its motors run, by its last heartbeat.
 
     Raises
     ------
@@ -115,8 +133,10 @@ class Link:
         self._target = 0, 0
         self._answers: dict[int, int] = {}
         self._last_beat = float("-inf")
+        self._mode, self._asked = (0, 0), ""
         self.fix: Fix | None = None
         self.heard = float("-inf")
+        self.is_ours = self.is_offboard = self.is_armed = False
 
     def close(self) -> None:
         """Close the socket."""
@@ -143,6 +163,9 @@ class Link:
                     f"got autopilot {message.autopilot}"
                 )
             self._peer, self._target, self.heard = peer, sender, now
+            self._mode = (message.custom_mode >> 16) & 0xFF, (message.custom_mode >> 24) & 0xFF
+            self.is_ours = self.is_offboard = self._mode[0] == _OFFBOARD
+            self.is_armed = bool(message.base_mode & self._dialect.MAV_MODE_FLAG_SAFETY_ARMED)
         elif sender != self._target:
             return
         elif kind == "LOCAL_POSITION_NED":
@@ -152,6 +175,16 @@ class Link:
                 self.fix, self.heard = Fix(now, place, speed), now
         elif kind == "COMMAND_ACK":
             self._answers[message.command] = message.result
+            is_accepted = message.result == self._dialect.MAV_RESULT_ACCEPTED
+            if message.command == self._command("offboard") and is_accepted:
+                self.is_ours = self._asked == "offboard"
+
+    @property
+    def mode(self) -> str:
+        """The name of the mode that its last heartbeat said, for messages."""
+        main, sub = self._mode
+        name = _AUTO_NAMES.get(sub) if main == _AUTO else _MODE_NAMES.get(main)
+        return name or f"mode {main}, {sub}"
 
     def beat(self) -> None:
         """Send a heartbeat once a second."""
@@ -194,6 +227,7 @@ class Link:
         if what == "arming":
             parts = 1.0, 0.0, 0.0
         else:
+            self._asked = what
             main, sub = _MODES[what]
             parts = 1.0, float(main), float(sub)
         self._send(

@@ -33,7 +33,9 @@ class Mavlink:
     A thread streams setpoints (position, velocity, acceleration of the segment, by the time since
     its step began) also while the next decision is made, and takes what vehicles say. A state that
     is older than half a second is no measurement: the mission flies its tail on. Vehicles that are
-    not heard for ``patience`` end the flight; all are then told to hold, as they are at its end.
+    not heard for ``patience``, leave offboard mode or are disarmed end the flight. All that are in
+    offboard mode are then told to hold, as they are at its end: what a pilot or a failsafe flies is
+    left alone.
 
     Parameters
     ----------
@@ -123,8 +125,7 @@ class Mavlink:
             )
             stream.hold(stream.measured()[0])
             self._sleep(_BEFORE)
-            for what in ("offboard", "arming"):
-                stream.command(what)
+            stream.take_command()
             goals = self._starts - self._homes
             stream.hold(goals)
             stream.wait_for(
@@ -156,7 +157,7 @@ class Mavlink:
         Raises
         ------
         LinkError
-            If a vehicle is lost, or was never taken command of.
+            If a vehicle is lost, is taken over, or was never taken command of.
         """
         if self._stream is None:
             raise LinkError("not in command of the vehicles: call reset before advance")
@@ -182,7 +183,7 @@ class Mavlink:
         return states, self._surroundings.contacts(self._step, shares, where)
 
     def close(self) -> None:
-        """Tell vehicles to hold, and let go of them; nothing runs on."""
+        """Tell vehicles in offboard mode to hold, and let go of all; nothing runs on."""
         stream, self._stream = self._stream, None
         if stream is not None:
             stream.close()

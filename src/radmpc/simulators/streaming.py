@@ -55,19 +55,38 @@ class Stream:
         self._lock = threading.RLock()
         self._stopped = threading.Event()
         self._failure: LinkError | None = None
+        self._is_watched = False
         self._program: tuple[float, Reference] | None = None
         self._samples: list[tuple[float, Matrix]] = []
         self._thread = threading.Thread(target=self._run, name="mavlink", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
-        """Tell vehicles to hold, and let go of them; nothing runs on."""
+        """Tell vehicles to hold that are in offboard mode, let go of all; nothing runs on."""
         self._stopped.set()
         self._thread.join()
         for link in self._links:
-            for _ in range(_TIMES):
+            # What a pilot or a failsafe flies is left alone.
+            for _ in range(_TIMES if link.is_ours else 0):
                 link.ask("hold")
             link.close()
+
+    def take_command(self) -> None:
+        """Have every vehicle fly what is streamed, and notice from then on if one does not.
+
+        Raises
+        ------
+        LinkError
+            If one refuses, does not answer, or does not do what it accepted.
+        """
+        for what in ("offboard", "arming"):
+            self.command(what)
+        links = self._links
+        self.wait_for(
+            lambda i: links[i].is_offboard, "accepts offboard mode, and does not enter it"
+        )
+        self.wait_for(lambda i: links[i].is_armed, "accepts arming, and is not armed")
+        self._is_watched = True
 
     def follow(self, begun: float, reference: Reference) -> None:
         """Steer along a reference from now on.
@@ -216,6 +235,13 @@ class Stream:
         for link in self._links:
             link.receive()
             link.beat()
+            if self._is_watched and not link.is_offboard:
+                raise LinkError(
+                    f"vehicle {link.name!r}: left offboard mode ({link.mode}): a pilot or a "
+                    "failsafe has taken over"
+                )
+            if self._is_watched and not link.is_armed:
+                raise LinkError(f"vehicle {link.name!r}: was disarmed")
         if self._program is None:
             return
         now = self._clock()
