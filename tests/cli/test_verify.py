@@ -187,3 +187,12 @@ def test_false_claims_do_not_hold(
     result = run("verify", plan_file, "--samples", 100)
     assert result.exit_code == 1
     assert expected in result.stdout
+
+
+def test_too_many_samples_are_refused_before_a_certificate_is_computed(
+    run: Run, plan_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("radmpc.console.commands.verifying.certify", None)
+    result = run("verify", plan_file, "--samples", 2 * 10**9)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "samples must be at most 1000000000, got 2000000000" in result.stderr

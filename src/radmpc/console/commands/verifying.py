@@ -21,6 +21,7 @@ from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Avoidance, Scenario
 from radmpc.records import asdict, dataclass, replace
 from radmpc.referee import Certificate, Simulation, certify, simulate
+from radmpc.referee.simulation.simulation import check_samples
 
 __all__ = ["Verification", "run_verify", "verify_plan", "verify_report"]
 
@@ -93,6 +94,8 @@ def run_verify(path: Path, samples: int, seed: int, avoidance: str | None, *, as
     ------
     ScenarioError
         If there is no such avoidance.
+    ArgumentError
+        If the samples are none, or too many.
     """
     where: Avoidance | None = None
     if avoidance is not None:
@@ -101,6 +104,7 @@ def run_verify(path: Path, samples: int, seed: int, avoidance: str | None, *, as
         where = "steps" if avoidance == "steps" else "intervals"
     if is_flight(path):
         return _verify_flight(path, where, as_json=as_json)
+    check_samples(samples)  # before the certificate, which may take long
     record = read_plan(path)
     verification = verify_plan(record, samples, seed, where)
     if as_json:
