@@ -121,5 +121,5 @@ def time_columns(models: Sequence[CondensedModel]) -> TimeColumns:
         np.array(costs),
         shares[:, 0],
         shares[:, 1],
-        csr_array(block_diag(orders)),
+        csr_array(block_diag([csr_array(order) for order in orders])),
     )
