@@ -21,7 +21,6 @@ from radmpc.records import dataclass
 __all__ = [
     "MISS_PRICE",
     "SHARE",
-    "UNKNOWN",
     "Decision",
     "Later",
     "Rule",
@@ -88,7 +87,7 @@ class Decision:
     reason : str
         Why, in one sentence.
     value : float or None
-        Conditional value of the tail [-]; None where nothing was measured.
+        Conditional value of the tail [-]; None where not all were measured.
     price : float or None
         What the candidate costs, adopted or not [-]; None where there is none.
     next_step : float or None
@@ -134,10 +133,6 @@ class Decision:
             tuple(alarms),
             seconds,
         )
-
-
-UNKNOWN = Decision(None, "nothing was measured", None, None, None)
-"""The decision where nothing was measured."""
 
 
 def opened(plan: Plan, step: int) -> tuple[Leg, Account]:

@@ -19,7 +19,6 @@ from radmpc.flying.commanding import commanded
 from radmpc.flying.deciding import (
     MISS_PRICE,
     SHARE,
-    UNKNOWN,
     Decision,
     Later,
     Rule,
@@ -38,7 +37,7 @@ from radmpc.flying.measuring import (
     measured,
     plan_of,
 )
-from radmpc.flying.sensing.gaps import flown_by
+from radmpc.flying.sensing.gaps import flown_by, unmeasured
 from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.tick import Contact, Tick
 from radmpc.model.plan import Plan
@@ -159,9 +158,9 @@ class Mission(Logbook):
         check_contacts(contacts)
         given = measured(self._scenario, states)
         self._contacts += contacts
-        decision = UNKNOWN
         if given is None:
             known, alarms = flown_by(self._scenario, self._expected, states)
+            decision = Decision(None, unmeasured(self._scenario, states), None, None, None)
         else:
             known, alarms = self._looked(given)
             end = float("inf") if deadline is None else begun + deadline
