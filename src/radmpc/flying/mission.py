@@ -43,6 +43,7 @@ from radmpc.flying.tick import Contact, Tick
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.result import Result
+from radmpc.wording import distinct_texts
 
 __all__ = ["Mission"]
 
@@ -273,8 +274,8 @@ class Mission(Logbook):
         value = self._leg.value(self._step, states, self._sensing.evidence.scale)
         self._account = self._account.kept(value.least)
         if value.total > self._account.risk_bound:
-            allowed = f"{self._bound_name}{self._account.risk_bound:.3g}"
-            alarms.append(f"what is left risks {value.total:.3g}, more than {allowed}")
+            risks, allowed = distinct_texts(value.total, self._account.risk_bound)
+            alarms.append(f"what is left risks {risks}, more than {self._bound_name}{allowed}")
         if self.has_failed:
             return Decision(None, self._failure(), value.total, None, value.next_step)
         moment = Moment(self._step, states, self._leg, value, self._account, self._sensing.evidence)
