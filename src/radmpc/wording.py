@@ -11,6 +11,7 @@ import numpy as np
 __all__ = [
     "changed_texts",
     "count_text",
+    "distinct_texts",
     "names_of_choices",
     "number_text",
     "one",
@@ -78,6 +79,21 @@ def number_text(value: float) -> str:
         return str(int(value))
     short = f"{value:g}"
     return short if float(short) == value else repr(float(value))
+
+
+def distinct_texts(one: float, other: float) -> tuple[str, str]:
+    """Return two numbers with as many digits, three at least, as tell them apart.
+
+    Parameters
+    ----------
+    one, other : float
+        To be compared by who reads them; alike where they are equal.
+    """
+    for digits in range(3, 17):
+        texts = f"{one:.{digits}g}", f"{other:.{digits}g}"
+        if texts[0] != texts[1] or one == other:
+            return texts
+    return repr(float(one)), repr(float(other))
 
 
 def with_options(name: str, *options: str) -> str:

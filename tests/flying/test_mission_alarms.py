@@ -45,7 +45,8 @@ def test_only_who_is_not_measured_flies_as_expected(result: Result) -> None:
     for missing in (np.full(first.start.size, np.nan), None):
         tick, none = mission.step([off, missing]), blind.step(None)
         assert tick.alarms == ("no measurement of 'v2': the tail flies on as expected",)
-        assert (tick.value, tick.reason) == (None, "nothing was measured")
+        assert (tick.value, tick.reason) == (None, "not all vehicles were measured")
+        assert none.reason == "nothing was measured"
         assert tick.segments[0].position.tolist() == off[:2].tolist()
         assert np.abs(tick.controls[0] - none.controls[0]).max() > 1e-3
         assert differences(tick.segments[1], none.segments[1]) == []

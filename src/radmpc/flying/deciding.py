@@ -17,11 +17,11 @@ from radmpc.flying.sensing.evidence import Evidence
 from radmpc.flying.tick import Segment, Tick
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass
+from radmpc.wording import distinct_texts
 
 __all__ = [
     "MISS_PRICE",
     "SHARE",
-    "UNKNOWN",
     "Decision",
     "Later",
     "Rule",
@@ -88,7 +88,7 @@ class Decision:
     reason : str
         Why, in one sentence.
     value : float or None
-        Conditional value of the tail [-]; None where nothing was measured.
+        Conditional value of the tail [-]; None where not all were measured.
     price : float or None
         What the candidate costs, adopted or not [-]; None where there is none.
     next_step : float or None
@@ -134,10 +134,6 @@ class Decision:
             tuple(alarms),
             seconds,
         )
-
-
-UNKNOWN = Decision(None, "nothing was measured", None, None, None)
-"""The decision where nothing was measured."""
 
 
 def opened(plan: Plan, step: int) -> tuple[Leg, Account]:
@@ -287,14 +283,16 @@ def objection(moment: Moment, price: float, scores: tuple[float, float], *, is_f
         Whether that best leg is the tail.
     """
     if not moment.account.affords(price):
-        return f"the candidate risks {price:.3g}, and {moment.account.wealth:.3g} remains"
+        risks, remains = distinct_texts(price, moment.account.wealth)
+        return f"the candidate risks {risks}, and {remains} remains"
     least, score = scores
     if score < least:
         return ""
     if not is_first:
         return "another candidate is better"
     if moment.is_unsafe:
-        return f"the candidate risks {price:.3g}, the tail {moment.value.total:.3g}"
+        risks, tail = distinct_texts(price, moment.value.total)
+        return f"the candidate risks {risks}, the tail {tail}"
     ours, other = f"{least:.4g}", f"{score:.4g}"
     than = "as good" if ours == other else "better"
     return f"the tail is {than}: {ours} against {other} still to come"

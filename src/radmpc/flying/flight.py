@@ -9,7 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, ArgumentTypeError
-from radmpc.flying.measuring import check_number
+from radmpc.flying.measuring import States, check_number, heard
 from radmpc.flying.model import Backend
 from radmpc.flying.tick import Contact, Entry, Tick
 from radmpc.model.plan import Plan
@@ -37,7 +37,7 @@ class Flight:
     contacts : tuple of Contact
         What was hit.
     states : tuple of tuple of (n,) array
-        Of all vehicles at k = 0..T.
+        Of all vehicles at k = 0..T, as measured; nan of one that was not.
     effort : float
         ``Σ weight · ‖u‖₁`` as flown.
     """
@@ -163,7 +163,7 @@ def fly(
         raise ArgumentError(f"mission must be at its beginning, got one that has flown {steps}")
     vehicles = mission.scenario.vehicles
     states, contacts = backend.reset()
-    visited = [tuple(states)]
+    visited = [_seen(mission.scenario, states)]
     effort, is_there = 0.0, True
     most = None if patience == float("inf") else patience
     while True:
@@ -174,8 +174,14 @@ def fly(
         pairs = zip(vehicles, tick.controls, strict=True)
         effort += sum(v.cost_weight * float(np.abs(u).sum()) for v, u in pairs)
         states, contacts = backend.advance(tick.segments)
-        visited.append(tuple(states))
+        visited.append(_seen(mission.scenario, states))
     return Flight(mission.ticks, mission.account, mission.contacts, tuple(visited), effort)
+
+
+def _seen(scenario: Scenario, states: States) -> tuple[Vector, ...]:
+    """Return states in the scenario's order, nan of vehicles that were not measured."""
+    pairs = zip(scenario.vehicles, heard(scenario, states), strict=True)
+    return tuple(np.full(v.start.size, np.nan) if x is None else x for v, x in pairs)
 
 
 def _check_flyable(mission: object, backend: object) -> None:

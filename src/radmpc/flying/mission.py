@@ -19,7 +19,6 @@ from radmpc.flying.commanding import commanded
 from radmpc.flying.deciding import (
     MISS_PRICE,
     SHARE,
-    UNKNOWN,
     Decision,
     Later,
     Rule,
@@ -38,12 +37,13 @@ from radmpc.flying.measuring import (
     measured,
     plan_of,
 )
-from radmpc.flying.sensing.gaps import flown_by
+from radmpc.flying.sensing.gaps import flown_by, unmeasured
 from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.tick import Contact, Tick
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.result import Result
+from radmpc.wording import distinct_texts
 
 __all__ = ["Mission"]
 
@@ -159,9 +159,9 @@ class Mission(Logbook):
         check_contacts(contacts)
         given = measured(self._scenario, states)
         self._contacts += contacts
-        decision = UNKNOWN
         if given is None:
             known, alarms = flown_by(self._scenario, self._expected, states)
+            decision = Decision(None, unmeasured(self._scenario, states), None, None, None)
         else:
             known, alarms = self._looked(given)
             end = float("inf") if deadline is None else begun + deadline
@@ -274,8 +274,8 @@ class Mission(Logbook):
         value = self._leg.value(self._step, states, self._sensing.evidence.scale)
         self._account = self._account.kept(value.least)
         if value.total > self._account.risk_bound:
-            allowed = f"{self._bound_name}{self._account.risk_bound:.3g}"
-            alarms.append(f"what is left risks {value.total:.3g}, more than {allowed}")
+            risks, allowed = distinct_texts(value.total, self._account.risk_bound)
+            alarms.append(f"what is left risks {risks}, more than {self._bound_name}{allowed}")
         if self.has_failed:
             return Decision(None, self._failure(), value.total, None, value.next_step)
         moment = Moment(self._step, states, self._leg, value, self._account, self._sensing.evidence)

@@ -151,7 +151,7 @@ class Tick:
     reason : str
         Why, in one sentence.
     value : float or None
-        Conditional value of the tail before the decision [-]; None where nothing was measured.
+        Conditional value of the tail before the decision [-]; None where not all were measured.
     wealth : float
         Remaining risk: what another leg might have risked [-].
     price : float or None

@@ -20,7 +20,7 @@ from radmpc.flying.tick import Contact, Entry, Tick, failure, progress_text
 from radmpc.flying.warm.goals import widened
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
-from radmpc.wording import count_text
+from radmpc.wording import count_text, distinct_texts
 
 __all__ = ["LongMission"]
 
@@ -267,7 +267,8 @@ class LongMission:
             self._why_none = found.reason
             return None
         if (price := found.leg.price) > grant:
-            self._why_none = f"the plan costs {price:.3g}, its share of Δ is {grant:.3g}"
+            costs, share = distinct_texts(price, grant)
+            self._why_none = f"the plan costs {costs}, its share of Δ is {share}"
             return None
         mission = Window(found.leg.plan, ahead, step, before, **self._options)
         self._reserve = self._reserve.given(wealth, grant)

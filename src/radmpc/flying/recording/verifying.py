@@ -57,11 +57,13 @@ def _mission_problems(record: FlightRecord, mission: FlownMission, due: int) -> 
     if not mission.is_over and due < len(record.missions) - 1:
         return [f"mission {mission.number + 1} ends with step {mission.rows[-1].step}"]
     try:
-        problems = recomputed(record.plan, mission.rows).problems
+        book = recomputed(record.plan, mission.rows)
     except RadmpcError as error:
         return [f"mission {mission.number + 1}: {error}"]
+    problems = book.problems
     if record.settings.backend == "model":
-        problems += _contact_problems(record.plan.scenario, mission.rows)
+        # Beyond the rows that could be recomputed nothing is known to follow on anything.
+        problems += _contact_problems(record.plan.scenario, mission.rows[: len(book.ticks)])
     return problems
 
 
@@ -88,7 +90,7 @@ def _contact_problems(scenario: Scenario, rows: Sequence[TickRow]) -> list[str]:
     problems = []
     before = None
     for row in rows:
-        if row.states is None or (before is not None and before.states is None):
+        if row.states is None or (before and (before.states is None or not before.controls)):
             before = row
             continue
         found, stated = (

@@ -9,7 +9,7 @@ from radmpc.flying.knowing import remembers
 from radmpc.flying.measuring import States, heard
 from radmpc.model.scenario import Scenario
 
-__all__ = ["flown_by"]
+__all__ = ["flown_by", "unmeasured"]
 
 
 def flown_by(
@@ -38,3 +38,15 @@ def flown_by(
     names = [v.name for v, state in zip(scenario.vehicles, given, strict=True) if state is None]
     whose = "" if len(names) == len(given) else f" of {', '.join(map(repr, names))}"
     return tuple(known), [f"no measurement{whose}: the tail flies on as expected"]
+
+
+def unmeasured(scenario: Scenario, states: States) -> str:
+    """Return why nothing is decided where not all vehicles were measured.
+
+    Parameters
+    ----------
+    scenario, states
+        As in `flown_by`.
+    """
+    is_none = all(state is None for state in heard(scenario, states))
+    return "nothing was measured" if is_none else "not all vehicles were measured"
