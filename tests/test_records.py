@@ -67,7 +67,14 @@ ARGUMENTS: list[tuple[type, tuple[object, ...], dict[str, object]]] = [
     (Place, (), {}),
     (Place, (1.0, "a", [], 2, 3), {}),
     (Place, (1.0,), {"later": 3}),
-    (Single, (float("nan"),), {}),
+    pytest.param(
+        Single,
+        (float("nan"),),
+        {},
+        marks=pytest.mark.skipif(
+            sys.version_info >= (3, 13), reason="there no value that holds a NaN equals itself"
+        ),
+    ),
     (Nothing, (1,), {}),
 ]
 
@@ -197,12 +204,17 @@ import builtins, dataclasses
 from radmpc.records import dataclass
 texts, run = [], builtins.exec
 builtins.exec = lambda *words: (texts.append(words[0]), run(*words))[1]
+@dataclasses.dataclass(init=False, repr=False, eq=False, slots=True)
+class Bare:
+    first: float
+bare = len(texts)  # which the standard library compiles of itself since 3.13: nothing
+texts.clear()
 @dataclass(frozen=True, slots=True)
 class Pair:
     '''Two.'''
     first: float
     second: float = 2.0
-print(len(texts)); Pair(1.0); Pair(1.0) == Pair(2.0); print(len(texts))
+print(len(texts) - bare); Pair(1.0); Pair(1.0) == Pair(2.0); print(len(texts) - bare)
 """
     done = subprocess.run(
         [sys.executable, "-c", asks], capture_output=True, text=True, timeout=60, check=True

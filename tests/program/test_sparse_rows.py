@@ -21,7 +21,7 @@ def test_blocks_along_the_diagonal_are_those_of_scipy_without_its_zeros() -> Non
         some = blocks(np.random.default_rng(seed))
         ours, theirs = (
             diagonal_rows([sparse_block(one) for one in some]),
-            csr_array(block_diag(some)),
+            csr_array(block_diag([csr_array(one) for one in some])),
         )
         theirs.eliminate_zeros()
         for name in ("data", "indices", "indptr"):
@@ -33,7 +33,8 @@ def test_blocks_along_the_diagonal_are_those_of_scipy_without_its_zeros() -> Non
 def test_rows_of_a_unit_stand_below_the_blocks() -> None:
     some = blocks(np.random.default_rng(3))
     width = sum(block.shape[1] for block in some)
-    wider = vstack([block_diag([*some, np.zeros((0, 2))]), eye_array(width + 2)])
+    diagonal = block_diag([csr_array(one) for one in (*some, np.zeros((0, 2)))])
+    wider = vstack([diagonal, eye_array(width + 2)])
     ours = diagonal_rows([sparse_block(one) for one in some], width + 2, num_units=width + 2)
     np.testing.assert_array_equal(ours.toarray(), wider.toarray())
 
