@@ -199,6 +199,7 @@ def leg_start(leg) -> float:
     )
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_recorded_mission_is_recomputed_from_its_rows(scene):
     scenario = scene()
@@ -216,6 +217,7 @@ def test_a_recorded_mission_is_recomputed_from_its_rows(scene):
     assert again.balance.wealth == mission.balance.wealth
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("scene", SCENES)
 def test_half_spaces_are_turned_to_where_vehicles_are_expected_to_drift(scene):
     plan = by_hand(scene())

@@ -21,6 +21,7 @@ def beside(truth: Truth, other: Truth, seed: int) -> list[Track]:
                        two.controls)]  # fmt: skip
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("truth", "seed"), [(NOISY, 2), (NOISY, 3), (SOLID, 1)], ids=["flat", "flat again", "solid"]
 )

@@ -116,6 +116,7 @@ def test_intervals_contain_the_truth_as_often_as_they_say(name: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_drift_is_as_sure_as_it_says_in_noise_that_outlasts_a_short_log() -> None:
     truth = Truth(steps=100, color=0.95)
     assert are_sure(

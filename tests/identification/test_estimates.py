@@ -82,6 +82,7 @@ def test_measurement_noise_is_told_from_disturbance() -> None:
     assert np.diag(pooled.covariance.value) == pytest.approx(np.diag(truth.spread), rel=0.35)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", range(6))
 def test_a_disturbance_hidden_by_measurement_noise_has_an_upper_end_alone(seed: int) -> None:
     truth = Truth(steps=300, scale=0.005, seen=(0.02, 0.02, 0.01, 0.01))

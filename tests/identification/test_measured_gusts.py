@@ -29,7 +29,7 @@ def test_memory_and_measurement_noise_are_found_together(seen: tuple[float, ...]
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "truth",
     [

@@ -72,6 +72,7 @@ def test_every_published_problem_gets_steps_and_noise_as_documented(path: Path) 
         )
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("path", PUBLISHED, ids=lambda path: path.stem)
 def test_an_imported_scenario_survives_a_file_with_its_choices(path: Path, tmp_path: Path) -> None:
     imported = import_scenario(path)

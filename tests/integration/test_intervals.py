@@ -122,6 +122,7 @@ QUESTIONS = [
 ]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("question", "planner"), QUESTIONS)
 def test_plans_at_steps_jump_through_what_is_in_the_way(question, planner):
     jumping = planned(question(), "steps", planner)
@@ -131,6 +132,7 @@ def test_plans_at_steps_jump_through_what_is_in_the_way(question, planner):
     assert certify(true_path).certified > 0.9
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("question", "planner"), QUESTIONS)
 def test_plans_along_intervals_keep_the_bound_on_the_true_path(question, planner):
     kept = planned(question(), "intervals", planner)

@@ -69,7 +69,7 @@ def scene(obstacle: Obstacle, avoidance: str) -> Scenario:
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize("kind", OBSTACLES)
 def test_what_has_no_thickness_is_planned_around(kind: str, avoidance: str) -> None:

@@ -62,7 +62,7 @@ def spans_the_plane(points: np.ndarray) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_outline_reaches_as_far_as_that_of_qhull(shape) -> None:
     rng = np.random.default_rng(5)

@@ -50,6 +50,7 @@ def test_panels_in_space_are_laid_out_without_a_warning(space_plan: Plan) -> Non
         assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("count", [3, 36, 64])
 def test_what_edges_mean_stands_below_the_names(flat_plan: Plan, count: int) -> None:
     names = [f"v{k}" for k in range(count)]
@@ -98,6 +99,7 @@ def test_where_users_let_dollars_be_letters_a_plan_beside_keeps_them(flat_plan: 
         assert not any(tick_formulas(lower))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("draw", [plot_plan, plot_distances, plot_risk, plot_risk_shares])
 def test_numbers_at_the_axes_are_read_where_a_style_writes_them_as_formulas(
     flat_plan: Plan, draw: Callable[..., Axes]

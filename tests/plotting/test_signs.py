@@ -100,6 +100,7 @@ def test_run_time_and_planner_can_be_left_out(flat_plan: Plan) -> None:
     assert facts.get_text() == "cost 12 · risk 0.0125 ≤ 0.05"
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["flat_plan", "empty_plan", "space_plan"])
 def test_nothing_touches_the_edges(kind: str, request: pytest.FixtureRequest) -> None:

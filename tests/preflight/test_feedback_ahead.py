@@ -24,6 +24,7 @@ def gain_of(position: float, velocity: float) -> np.ndarray:
     return np.hstack([position * np.eye(2), velocity * np.eye(2)])
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("position", "velocity"), [(0.02, 0.1), (0.01, 0.0), (-0.2, -0.2)])
 def test_unstable_feedback_is_told_once_and_with_what_makes_it_stable(position, velocity) -> None:
     scenario = steered(gain_of(position, velocity))

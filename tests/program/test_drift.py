@@ -77,6 +77,7 @@ def extremes(craft, k, axis, horizon=8):
     return ends
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("drift", [None, CURRENT, WIND, np.negative(WIND)])
 @pytest.mark.parametrize("speed", [3.0, 1.2])
 @pytest.mark.parametrize("start", [(0.0, 0.0), (0.0, 0.0, 0.4, -0.5)])

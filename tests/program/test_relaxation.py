@@ -59,7 +59,7 @@ def test_shifted_tails_are_never_above_those_of_discs(risk_bound: float) -> None
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(9)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("count", [5, 8, 16])
 @pytest.mark.parametrize("noise", [1.0, 8.0])

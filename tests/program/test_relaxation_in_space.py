@@ -35,6 +35,7 @@ def best_in_space(mean: Array, covariance: Array, corners: Array, radius: float)
     return best
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("shape", ["pair", "box", "body", "plate", "wedge"])
 def test_in_space_no_mean_is_clearer_than_its_best_cone_says(shape: str, seed: int) -> None:

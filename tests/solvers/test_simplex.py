@@ -93,7 +93,7 @@ class Copy:
         return float(found.fun) if found.status == 0 else np.inf
 
 
-@pytest.mark.sampled(40)
+@pytest.mark.sampled(20)
 @pytest.mark.parametrize("seed", range(400))
 def test_it_finds_the_least_however_a_program_grew(seed: int) -> None:
     rng = np.random.default_rng(seed)

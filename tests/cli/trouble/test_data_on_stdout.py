@@ -26,6 +26,7 @@ def piped(folder: Path, *words: object) -> subprocess.CompletedProcess[bytes]:
     return result
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("to", ["csv", "geojson", "kml"])
 def test_an_export_on_stdout_is_what_it_is_in_a_file(folder: Path, to: str) -> None:
     words = () if to == "csv" else ("--origin", "54.1,12.1")

@@ -113,7 +113,7 @@ def test_a_read_only_folder_is_refused_in_one_line(
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @FILES
 def test_a_file_that_may_not_grow_is_as_if_never_written(
     ready: Run, tmp_path: Path, words: tuple[object, ...]

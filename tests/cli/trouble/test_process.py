@@ -78,6 +78,7 @@ def test_a_full_stdout_is_one_line(crossing: Path) -> None:
     assert assert_one_line(result.stderr) == expected
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
 @pytest.mark.skipif(sys.platform == "win32", reason="no such shell here")
 def test_a_closed_stream_changes_no_exit_code(closed: str, crossing: Path) -> None:

@@ -25,7 +25,7 @@ EXPORTS = ("qgc", "waypoints", "geojson", "kml", "csv")
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("share", range(SHARES))
 @pytest.mark.parametrize("name", list(WHOLE))
 def test_a_spoiled_file_is_read_or_refused_in_lines(

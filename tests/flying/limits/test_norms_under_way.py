@@ -53,6 +53,7 @@ def without_norms(scenario: Scenario) -> Scenario:
     return replace(scenario, vehicles=tuple(freed))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize("is_warm", [False, True])

@@ -41,6 +41,7 @@ def test_the_model_finds_ranges_lost_that_simulation_does_mission_by_mission(
     assert ours == theirs
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("avoidance", "is_warm"), [("steps", False), ("steps", True), ("intervals", True)]

@@ -85,6 +85,7 @@ def both(scenario: Scenario) -> tuple[list[Tick], list[Tick]]:
     return one, other
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_plan_of_what_is_left_is_worth_the_same_as_a_new_grant(scene) -> None:
     one, other = both(steered(scene))
@@ -127,6 +128,7 @@ def test_a_new_grant_that_forgets_is_found_out(mutant, scene, monkeypatch) -> No
     assert apart(one, other) > 1e-4
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("scene", SCENES)
 def test_plans_after_a_new_grant_know_of_what_was_added(scene) -> None:
     scenario = steered(scene)

@@ -90,6 +90,7 @@ def test_who_has_a_plan_is_not_late() -> None:
     assert all(not told(walled(horizon=n)) for n in range(shortest, 30))
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("seed", range(20))
 def test_ways_are_no_longer_than_paths_on_a_grid(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -187,7 +187,7 @@ last, and else starts apart, but too close for the risk bound."""
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", INFEASIBLE)
 def test_what_is_called_infeasible_is_planned_by_no_other_planner(seed):
     rng = np.random.default_rng(seed)

@@ -38,6 +38,7 @@ def left_open(
     return problem, replace(SearchState.of(problem), incumbent=incumbent), cost
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("price", [0.5, 2.0, 8.0])
 def test_no_plan_within_the_union_bound_is_below_it(price: float) -> None:
     centralized = Planner(Ira(), Branch(), Centralized())

@@ -54,6 +54,7 @@ def test_who_stays_and_has_nobody_near_is_planned_once(monkeypatch: pytest.Monke
     assert min(count[i] for i in range(1, 7)) > 3
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize("scenario", [fleet(16, 1), circle(6), paper(8, 3)], ids=lambda s: s.name)
 def test_who_is_left_out_would_have_stayed(

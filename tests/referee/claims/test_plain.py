@@ -24,6 +24,7 @@ def changed(plan: Plan, which: int, field: str, by: float) -> Plan:
     return replace(plan, trajectories=tuple(fleet))
 
 
+@pytest.mark.sampled(20)
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("field", ["means", "covariances"])
 def test_who_states_other_numbers_is_found_and_nobody_else(seed, field):
@@ -37,6 +38,7 @@ def test_who_states_other_numbers_is_found_and_nobody_else(seed, field):
     assert len(told) == 1
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("seed", range(20))
 def test_who_exceeds_a_limit_is_found(seed):
     plan = random_plan(seed)

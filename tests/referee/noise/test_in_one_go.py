@@ -43,6 +43,7 @@ def assert_same_on_their_own(plan: Plan, monkeypatch: pytest.MonkeyPatch) -> Non
         assert one.risk == pytest.approx(two.risk, rel=1e-6, abs=1e-15)
 
 
+@pytest.mark.sampled(20)
 @pytest.mark.parametrize("seed", range(40))
 def test_in_random_scenes(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     assert_same_on_their_own(random_plan(seed), monkeypatch)

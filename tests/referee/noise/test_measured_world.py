@@ -156,14 +156,14 @@ FALSE_ALARM = 1e-4 / (len(SCENES) * len(KINDS))
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
 def test_simulation_counts_what_the_second_simulator_counts(scene):
     check_counts(scene(), MISSIONS, FALSE_ALARM)
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
 def test_the_certificate_is_just_above_the_second_simulator(scene):
     check_certificate(scene(), MISSIONS)

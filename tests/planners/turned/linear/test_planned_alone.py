@@ -90,6 +90,7 @@ def height(paths: Paths, spaces: HalfSpaces, w: int, end: int, kept: float) -> f
     return found
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("penalty", [3.0, 300.0])
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize(
