@@ -67,7 +67,9 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     for number, begun in enumerate(beginnings, start=1):
         attempt = replace(begun, rounds=0) if begin.is_quick else begun
         missed, other, was_turned = _turned(begin, attempt, limits)
-        is_alike = abs(missed - least) <= TUNING.alike * least < np.inf
+        # Pairs that meet head-on miss alike, too, but far more.
+        is_near = missed <= TUNING.most_missed * float(hazards.radii.sum())
+        is_alike = is_near and abs(missed - least) <= TUNING.alike * least < np.inf
         if not (other.controls or is_known or was_turned) and is_alike:
             # What attempts miss alike, at a start or a goal, no other attempt will keep.
             other, is_known = attempt.run(), True
