@@ -1,15 +1,20 @@
-"""Attempts that are turned though they miss something, and those that are left."""
+"""Attempts that begin with vehicles placed apart, and those that are turned though they miss."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from grid_worlds import cells
 
 from radmpc.experiments.families import circle
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned import attempts as making
+from radmpc.planners.certified.turned import placing
 from radmpc.planners.certified.turned.attempt import Attempt, Begin
+from radmpc.planners.certified.turned.placing import placed_apart
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.verdict import Verdict
 from radmpc.program.build import condensed_models
@@ -23,6 +28,42 @@ def begun(hazards: Hazards) -> Begin:
     alone = SuccessiveLp(hazards, Limits())
     assert alone.begin_alone()
     return Begin(task, alone, {}, (tuple(range(hazards.count)),), 1.0, 2.4)
+
+
+def lane(path: Path, bays: list[int], robots: list) -> Hazards:
+    """Seven cells in a row, and bays beside some of them."""
+    free = {(x, 0) for x in range(7)} | {(x, 1) for x in bays}
+    scenario = cells(path, (7, 2), free, robots)
+    return Hazards.of(scenario, condensed_models(scenario))
+
+
+def first_placed(hazards: Hazards) -> np.ndarray:
+    """Places of the first attempt with any, (N, T+1, 2) [m]."""
+    attempts = placed_apart(begun(hazards), np.random.default_rng(0), Limits())
+    return next(one for one in attempts if one.is_placed).turning.successive.paths.means
+
+
+def least_apart(hazards: Hazards, places: np.ndarray) -> float:
+    """Least distance of two hulls at a step [m]."""
+    pairs = [(i, j) for i in range(hazards.count) for j in range(i)]
+    return min(
+        float(np.linalg.norm(places[i] - places[j], axis=1).min())
+        - float(hazards.radii[i] + hazards.radii[j])
+        for i, j in pairs
+    )
+
+
+def test_where_no_order_of_paces_fits_all_go_as_they_were_planned_in_turn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At the best pace, or in haste, who is first leaves the others none: one waits in the bay."""
+    monkeypatch.setattr(placing, "joint_routes", lambda *_: {})
+    robots = [((5, 0), (0, 0)), ((1, 0), (5, 0)), ((3, 0), (4, 1))]
+    hazards = lane(tmp_path, [4], robots)
+    places = first_placed(hazards)
+    assert least_apart(hazards, places) > 0.0
+    goals = [model.vehicle.goal.center for model in hazards.models]
+    assert np.abs(places[:, -1] - goals).max() < 0.5 * float(hazards.radii.min())
 
 
 @pytest.mark.parametrize(("missed", "is_turned"), [(0.5, True), (9.0, False)])
