@@ -14,12 +14,17 @@ from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned import attempts as making
 from radmpc.planners.certified.turned import placing
 from radmpc.planners.certified.turned.attempt import Attempt, Begin
+from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks
 from radmpc.planners.certified.turned.placing import placed_apart
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.verdict import Verdict
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
+
+
+def never() -> bool:
+    return False
 
 
 def begun(hazards: Hazards) -> Begin:
@@ -64,6 +69,22 @@ def test_where_no_order_of_paces_fits_all_go_as_they_were_planned_in_turn(
     assert least_apart(hazards, places) > 0.0
     goals = [model.vehicle.goal.center for model in hazards.models]
     assert np.abs(places[:, -1] - goals).max() < 0.5 * float(hazards.radii.min())
+
+
+def test_routes_planned_in_turn_lead_everyone_to_the_goal_at_full_speed_if_need_be(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(placing, "joint_routes", lambda *_: {})
+    robots = [((5, 0), (5, 0)), ((0, 0), (2, 1)), ((6, 0), (2, 0))]
+    hazards = lane(tmp_path, [3, 2], robots)
+    placed, ticks = prioritized_ticks(hazards, never)
+    assert placed == {}
+    placed, faster = prioritized_ticks(hazards, never, ticks)
+    assert sorted(placed) == [0, 1, 2]
+    assert faster > ticks
+    # As fast as that is as fast as can be.
+    assert prioritized_ticks(hazards, never, faster)[0] == {}
+    assert least_apart(hazards, first_placed(hazards)) > 0.0
 
 
 @pytest.mark.parametrize(("missed", "is_turned"), [(0.5, True), (9.0, False)])

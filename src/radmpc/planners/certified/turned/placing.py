@@ -43,6 +43,8 @@ def placed_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iter
         return
     yield from placing.in_order()
     yield from placing.together()
+    if not placing.ordered:
+        yield from placing.in_order()
     if placing.ordered:
         yield Attempt(begin.referring(placing.ordered), TUNING.max_sweeps)
         yield from placing.as_ordered()
@@ -59,7 +61,7 @@ class _Placing:
         if self._clear is not None:
             self._pacing = Pacing(hazards, self._clear, begin.clearance)
         self.ordered: dict[int, Matrix] = {}
-        self._is_paced = False
+        self._ticks, self._is_paced = 0, False
 
     def on_shortest(self) -> Iterator[Attempt]:
         """Begin on the shortest routes."""
@@ -70,10 +72,10 @@ class _Placing:
         yield from self._paced(self._pacing.run(range(hazards.count), self._is_stopped))
 
     def in_order(self) -> Iterator[Attempt]:
-        """Begin on routes planned one after the other."""
+        """Begin on routes planned one after the other; asked again, at full speed."""
         hazards, clearance = self._begin.task.hazards, self._begin.clearance
-        placed, ticks = prioritized_ticks(hazards, self._is_stopped)
-        self.ordered = {i: path[::ticks] for i, path in placed.items()}
+        placed, self._ticks = prioritized_ticks(hazards, self._is_stopped, self._ticks)
+        self.ordered = {i: path[:: self._ticks] for i, path in placed.items()}
         if not placed or self._clear is None or self._pacing is None:
             return
         self._pacing.offer(pulled_routes(hazards, self._clear, placed, clearance))
