@@ -12,6 +12,7 @@ from radmpc.experiments.families import circle
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned import attempts as making
+from radmpc.planners.certified.turned import first_plan as making_first
 from radmpc.planners.certified.turned import placing
 from radmpc.planners.certified.turned.attempt import Attempt, Begin
 from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks
@@ -107,3 +108,21 @@ def test_what_attempts_miss_alike_is_turned_unless_it_is_far_too_much(
     making.tried(begin, np.random.default_rng(0), Limits())
     # What missed least is turned at the end in any case.
     assert len(turned) == (2 if is_turned else 1)
+
+
+def test_who_keeps_apart_at_once_but_risks_too_much_is_planned_like_all_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    begun_with = []
+
+    def tried(begin: Begin, *_: object) -> FleetIncumbent:
+        begun_with.append(begin)
+        return FleetIncumbent()
+
+    monkeypatch.setattr(making, "tried", tried)
+    scenario = circle(3)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    # The referee certifies nothing.
+    task = Task(hazards, lambda _: Verdict(1.0, ()), Limits(), 1e-3, 0.05, lambda _: None)
+    assert not making_first.first_plan(task, 1.0, np.random.default_rng(0)).controls
+    assert len(begun_with) == 1
