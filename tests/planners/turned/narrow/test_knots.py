@@ -13,6 +13,7 @@ from grid_worlds import cells
 
 from radmpc import certify, import_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.turned import placing
 from radmpc.planners.certified.turned.attempt import Attempt
 from radmpc.planners.certified.turned.narrow import knots
 from radmpc.planners.certified.turned.narrow.clear import Clear
@@ -257,7 +258,7 @@ def test_where_one_joint_solution_leads_to_no_plan_others_are_drawn(
         attempt.turning.successive.missed[:] = next(missed)
         return False
 
-    monkeypatch.setattr(knots, "joint_routes", counted)
+    monkeypatch.setattr(placing, "joint_routes", counted)
     monkeypatch.setattr(Attempt, "keep_apart", late)
     result = first_plan(corridor_with_a_bay(tmp_path), time_limit=60.0)
     assert len(drawn) == 3

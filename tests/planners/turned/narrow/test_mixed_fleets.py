@@ -70,3 +70,16 @@ def test_who_passes_first_hurries_if_others_find_no_pace_behind_it(tmp_path: Pat
     assert set(placed) == {0, 1}
     apart = np.linalg.norm(placed[0] - placed[1], axis=1)
     assert apart.min() >= hazards.radii.sum()
+
+
+def test_who_stays_has_a_pace_like_all_others(tmp_path: Path) -> None:
+    free = {(x, 0) for x in range(6)}
+    scenario = cells(tmp_path, (6, 1), free, [((0, 0), (0, 0)), ((4, 0), (2, 0))])
+    hazards = hazards_of(scenario)
+    clear = Clear.of(hazards)
+    assert clear is not None
+    pacing = Pacing(hazards, clear, 1.0)
+    pacing.offer(shortest_routes(hazards, clear, 1.0))
+    placed = pacing.run(range(2), never)
+    assert set(placed) == {0, 1}
+    assert np.abs(placed[0] - placed[0][0]).max() < 1e-3

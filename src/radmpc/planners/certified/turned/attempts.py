@@ -3,26 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.turned.attempt import Attempt, Begin
-from radmpc.planners.certified.turned.paths import (
-    arched,
-    evenly,
-    timed_anyhow,
-)
+from radmpc.planners.certified.turned.paths import arched, timed_anyhow
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Turning
 from radmpc.records import replace
 from radmpc.solvers.solution import Limits
-
-if TYPE_CHECKING:
-    from radmpc.planners.certified.turned.narrow.pacing import Pacing
 
 __all__ = ["tried"]
 
@@ -67,7 +59,9 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     for number, begun in enumerate(beginnings, start=1):
         attempt = replace(begun, rounds=0) if begin.is_quick else begun
         missed, other, was_turned = _turned(begin, attempt, limits)
-        is_alike = abs(missed - least) <= TUNING.alike * least < np.inf
+        # Pairs that meet head-on miss alike, too, but far more.
+        is_near = missed <= TUNING.most_missed * float(hazards.radii.sum())
+        is_alike = is_near and abs(missed - least) <= TUNING.alike * least < np.inf
         if not (other.controls or is_known or was_turned) and is_alike:
             # What attempts miss alike, at a start or a goal, no other attempt will keep.
             other, is_known = attempt.run(), True
@@ -136,7 +130,9 @@ def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterato
     else:
         for turning in _sides(begin, limits):
             yield Attempt(turning, TUNING.max_sweeps)
-    yield from _kept_apart(begin, rng, limits)
+    from radmpc.planners.certified.turned.placing import placed_apart  # noqa: PLC0415 - few need it
+
+    yield from placed_apart(begin, rng, limits)
     if routes:
         yield Attempt(begin.referring(usually), TUNING.max_sweeps)
     for _ in range(TUNING.attempts):
@@ -235,65 +231,3 @@ def _cheapest_apart(
         return float(successive.missed.sum()) > nearly, successive.paths.cost()
 
     return min(tried, key=rank)
-
-
-def _kept_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
-    """Place vehicles apart: on their paths, all together tick by tick, or in order."""
-    from radmpc.planners.certified.turned.narrow.clear import Clear  # noqa: PLC0415 - few need it
-    from radmpc.planners.certified.turned.narrow.knots import joint_routes  # noqa: PLC0415 - few need it
-    from radmpc.planners.certified.turned.narrow.pacing import Pacing  # noqa: PLC0415 - few need it
-    from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks  # noqa: PLC0415 - few need it
-    from radmpc.planners.certified.turned.narrow.routes import pulled_routes, shortest_routes  # noqa: PLC0415 - few need it
-
-    hazards, clearance = begin.task.hazards, begin.clearance
-    clear, pacing = Clear.of(hazards), None
-
-    def is_stopped() -> bool:
-        return limits.reached
-
-    if clear is not None:
-        pacing = Pacing(hazards, clear, clearance)
-        pacing.offer(shortest_routes(hazards, clear, clearance))
-        yield from _paced(begin, pacing, pacing.run(range(hazards.count), is_stopped), rng, limits)
-    if hazards.count == 1 or limits.reached:
-        return
-    placed, ticks = prioritized_ticks(hazards, is_stopped)
-    if placed and clear is not None and pacing is not None:
-        pacing.offer(pulled_routes(hazards, clear, placed, clearance))
-        yield from _paced(begin, pacing, pacing.run(tuple(placed), is_stopped), rng, limits)
-    for _ in range(TUNING.joint_attempts):
-        if clear is None or pacing is None or limits.reached:
-            break
-        joint = joint_routes(hazards, clear, rng.spawn(1)[0], is_stopped)
-        if not joint:
-            break
-        pacing.offer(pulled_routes(hazards, clear, joint, clearance))
-        places = {i: evenly(route, hazards.horizon) for i, route in joint.items()}
-        yield from _paced(begin, pacing, pacing.mend(places, is_stopped), rng, limits)
-    if placed:
-        in_order = {i: path[::ticks] for i, path in placed.items()}
-        yield Attempt(begin.referring(in_order), TUNING.max_sweeps)
-
-
-def _paced(
-    begin: Begin,
-    pacing: Pacing,
-    places: Mapping[int, Matrix],
-    rng: np.random.Generator,
-    limits: Limits,
-) -> Iterator[Attempt]:
-    """Begin with places at a pace, if any; then with a finer one for those who missed it."""
-    if not places:
-        return
-    turning = begin.referring(places)
-    sweeps, penalty = TUNING.paced_sweeps, TUNING.paced_penalty
-    # A small fleet is through with all that follows as soon.
-    mending = rng if begin.task.hazards.count > TUNING.few else None
-    yield Attempt(turning, sweeps, penalty, is_placed=True, rng=mending)
-    few = TUNING.misses * float(begin.task.hazards.radii.mean())
-    missing = np.flatnonzero(turning.successive.missed > few).tolist()
-    if missing and not limits.reached:
-        finer = pacing.refine(missing, lambda: limits.reached)
-        if all(np.array_equal(finer[i], places[i]) for i in missing):
-            return
-        yield Attempt(begin.referring(finer), sweeps, penalty, is_placed=True, rng=mending)

@@ -88,7 +88,7 @@ def first_plan(
     if is_searched and (is_large or (largest == 1 and visits is None)):
         return FleetIncumbent()
     apart = _given_way(task, paths, clearance, sets) if is_searched else None
-    if apart is not None:
+    if apart is not None and apart.controls:
         return apart
     from radmpc.planners.certified.turned import attempt, attempts  # noqa: PLC0415 - few need any
 

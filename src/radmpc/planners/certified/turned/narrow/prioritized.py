@@ -24,7 +24,7 @@ Places = dict[int, Matrix]
 
 
 def prioritized_ticks(
-    hazards: Hazards, is_stopped: Callable[[], bool]
+    hazards: Hazards, is_stopped: Callable[[], bool], above: int = 0
 ) -> tuple[Mapping[int, Matrix], int]:
     """Return where all vehicles would be at every tick, none within reach of another.
 
@@ -34,6 +34,8 @@ def prioritized_ticks(
         The fleet; obstacles that move are left out.
     is_stopped : callable
         Returns True once it is time to stop.
+    above : int
+        Ticks per step at which none were found, for routes at full speed; 0 for the usual pace.
 
     Returns
     -------
@@ -44,8 +46,10 @@ def prioritized_ticks(
         Ticks per step, K/T.
     """
     grid = Grid.of(hazards)
-    ticks = max(1, int(TUNING.grid_pace * float(hazards.reaches.min()) / grid.spacing))
-    if hazards.count * ticks * hazards.horizon * len(grid.points) > TUNING.grid_work:
+    pace = 1.0 if above else TUNING.grid_pace
+    ticks = max(1, int(pace * float(hazards.reaches.min()) / grid.spacing))
+    work = hazards.count * ticks * hazards.horizon * len(grid.points)
+    if ticks <= above or work > TUNING.grid_work:
         return {}, ticks
     starts = np.array([model.drift_position[0] for model in hazards.models])
     goals = np.array([0.5 * (m.vehicle.goal.lower + m.vehicle.goal.upper) for m in hazards.models])

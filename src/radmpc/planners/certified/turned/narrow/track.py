@@ -178,7 +178,9 @@ def track(
     along = np.linspace(0.0, lengths[-1], count)
     unit = max(2.0 * float(along[1]) / dt, _TINY)
     over_ground = fastest + float(np.abs(current).max())
-    level = np.arange(int(np.sqrt(2.0) * over_ground / unit + _TINY) + 1)
+    num_faster = int(np.sqrt(2.0) * over_ground / unit + _TINY)
+    # Whoever is faster than that leaves the route, be it as short as of one that stays.
+    level = np.arange(min(num_faster, count - 1) + 1)
     if count * level.size**2 * hazards.horizon > _MOST:
         return None
     places = np.stack([np.interp(along, lengths, route[:, a]) for a in (0, 1)], axis=1)

@@ -68,7 +68,7 @@ class Tuning:
         Times that every vehicle is placed again around all others [-].
     grid_pace : float
         Share of what a vehicle covers in a step at most that it may on the grid [-]: it has to
-        speed up and slow down.
+        speed up and slow down. All of it where no order leads to places for all.
     order_sigmas : tuple of float
         Standard deviations kept from obstacles, and from vehicles placed before, where vehicles
         are planned in an order [-].
