@@ -118,7 +118,6 @@ def breaks_its_limits(scenario: Scenario, seconds: float | None) -> Plan:
     return leg_of(scenario, controls, 0).plan
 
 
-@pytest.mark.sampled(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("planner", "reason"),
