@@ -7,6 +7,8 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 WORKERS ?= 2
 OLDEST ?= .venv-oldest
+NEWEST ?= .venv-newest
+NEWEST_PYTHON ?= $(PYTHON)
 USER := build/user
 SANITIZED := build/sanitized
 INSTALLED := $(VENV)/.installed
@@ -26,7 +28,7 @@ unexport PYTHONDONTWRITEBYTECODE
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve bundle page pictures coverage nightly sanitize oldest check quick still format lint package types \
+.PHONY: help demo serve bundle page pictures coverage nightly sanitize oldest newest check quick still format lint package types \
     quick-test floors docs test clean node
 
 help: ## list the targets
@@ -132,6 +134,13 @@ oldest: $(INSTALLED_DEV) ## quick tests with the oldest dependencies and no comp
 	RADMPC_COMPILED=none $(OLDEST)/bin/pytest -n $(WORKERS) --dist worksteal -m 'not slow' \
 	    -W default::DeprecationWarning -W default::PendingDeprecationWarning
 
+# Whoever installs radmpc has the newest of what it needs, and constraints.txt does not tell what that changes.
+newest: $(INSTALLED_DEV) ## quick tests with the newest dependencies: make newest NEWEST_PYTHON=python3.13
+	$(PIP) install --quiet -c constraints.txt uv
+	$(BIN)/uv venv --quiet --seed --clear --python $(NEWEST_PYTHON) $(NEWEST)
+	$(BIN)/uv pip install --quiet --python $(NEWEST)/bin/python -e '.[dev]'
+	$(NEWEST)/bin/pytest -n $(WORKERS) --dist worksteal -m 'not slow'
+
 test: $(COMPILED) $(AFTER) ## all tests, and of long lists of cases a sample
 	$(PYTEST)
 
@@ -139,7 +148,7 @@ coverage: $(INSTALLED_DEV) ## the same with branch coverage, which takes a third
 	$(PYTEST) --cov --cov-fail-under=90
 
 clean: ## remove the environment and everything made
-	rm -rf $(VENV) $(OLDEST) out site build dist .coverage .coverage.* .mypy_cache .ruff_cache \
+	rm -rf $(VENV) $(OLDEST) $(NEWEST) out site build dist .coverage .coverage.* .mypy_cache .ruff_cache \
 	    .pytest_cache .hypothesis .import_linter_cache web/node_modules \
 	    src/radmpc/serving/bundle
 
