@@ -113,6 +113,11 @@ def test_null_that_files_have_stays_one(path: Path) -> None:
     assert found.vehicles[0].goal.speed is None
 
 
+def test_half_a_box_is_told_without_what_null_took_away(path: Path) -> None:
+    with pytest.raises(radmpc.FileFormatError, match=r"or min and max; got half_width$"):
+        radmpc.load_scenario(path, {"vehicles.east.goal.center": None})
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
