@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+import multiprocessing
 import os
 import signal
 import sys
@@ -170,6 +171,17 @@ def test_outside_the_main_thread_interrupts_are_left_alone() -> None:
 def test_one_job_needs_no_processes() -> None:
     with workers(1) as executor:
         assert executor is None
+
+
+def test_no_more_processes_start_than_processors_can_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("radmpc.console.running.workers.num_processors", lambda: 1)
+    before = set(multiprocessing.active_children())
+    with workers(5) as executor:
+        assert executor is not None
+        assert executor.submit(abs, -1).result() == 1
+        assert len(set(multiprocessing.active_children()) - before) == 2
 
 
 def test_workers_are_beyond_interrupts() -> None:

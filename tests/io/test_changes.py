@@ -113,6 +113,19 @@ def test_null_that_files_have_stays_one(path: Path) -> None:
     assert found.vehicles[0].goal.speed is None
 
 
+def test_half_a_box_is_told_without_what_null_took_away(path: Path) -> None:
+    with pytest.raises(radmpc.FileFormatError, match=r"or min and max; got half_width$"):
+        radmpc.load_scenario(path, {"vehicles.east.goal.center": None})
+
+
+def test_null_leaves_a_vehicle_the_goal_of_the_defaults(path: Path) -> None:
+    given = SCENARIO.replace("{radius: 0.4,", "{goal: {center: [5, 5]}, radius: 0.4,")
+    path.write_text(given, encoding="utf-8")
+    found = radmpc.load_scenario(path, {"vehicles.east.goal": None})
+    assert found.vehicles[0].goal.lower.tolist() == [5.0, 5.0]
+    assert found.vehicles[1].goal.lower.tolist() == [6.5, 8.5]
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -121,6 +134,7 @@ def test_null_that_files_have_stays_one(path: Path) -> None:
             {"vehicles.east.start": None},
             "vehicles[0].start: is required, here or in defaults (as set",
         ),
+        ({"vehicles.east.goal": None}, "vehicles[0].goal: is required, here or in defaults"),
         ({"vehicles.west": None}, "there is no 'west', only east, tug.2"),
         ({"vehicles.east.start[0]": None}, "vehicles[0].start[0]: must be a number, got null"),
         ({"workspce": None}, "workspce: unknown key, did you mean 'workspace'?"),

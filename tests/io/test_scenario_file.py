@@ -174,6 +174,17 @@ def test_a_double_integrator_of_another_dt_is_refused(full: Path) -> None:
         replace(scenario, dt=0.5)
 
 
+def test_a_step_too_long_for_a_double_integrator_is_told_as_the_step() -> None:
+    told = r"^dt: must be at most 44721 s for a double integrator, got 1000000\.0$"
+    with pytest.raises(ScenarioError, match=told):
+        decode_scenario({**bare(), "dt": 1e6})
+    with pytest.raises(ScenarioError, match=told):
+        double_integrator(1e6, 2)
+    assert decode_scenario({**bare(), "dt": 44721.0}).dt == 44721.0
+    matrices = {"A": [[1, 0], [0, 1]], "B": [[1, 0], [0, 1]], "position": [0, 1]}
+    assert decode_scenario({**bare(dynamics=matrices), "dt": 1e6}).dt == 1e6
+
+
 def test_a_source_that_is_no_plain_data_cannot_be_written(full: Path) -> None:
     scenario = replace(load_scenario(full), source={"what": object()})
     with pytest.raises(ScenarioError, match=r"source.what: must be plain data"):

@@ -13,7 +13,7 @@ from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_array, as_matrix, a
 from radmpc.errors import ScenarioError
 from radmpc.model.integrator import integrator_rates
 from radmpc.model.numbers import positive_definite
-from radmpc.ranges import check_range, sized
+from radmpc.ranges import LARGEST, check_range, sized
 from radmpc.records import dataclass, field
 
 __all__ = ["LinearSystem", "covariances", "double_integrator", "lqr_gain", "rollout"]
@@ -144,7 +144,7 @@ def double_integrator(dt: float, dimension: int) -> LinearSystem:
     Raises
     ------
     ScenarioError
-        If the step is not from 1e-6 to 1e6 s, or there are neither 2 nor 3 axes.
+        If the step is not from 1e-6 to 44,721 s, or there are neither 2 nor 3 axes.
 
     Examples
     --------
@@ -155,6 +155,10 @@ def double_integrator(dt: float, dimension: int) -> LinearSystem:
            [0., 2.]])
     """
     dt = check_range(dt, "s", ("dt",))
+    longest = (2.0 * LARGEST) ** 0.5  # of which B holds half the square
+    if dt > longest:
+        what = f"must be at most {longest:.0f} s for a double integrator"
+        raise ScenarioError(f"{what}, got {value_text(dt)}", ("dt",))
     if field_integer(dimension, ("dimension",)) not in (2, 3):
         raise ScenarioError(f"must be 2 or 3, got {value_text(dimension)}", ("dimension",))
     eye, zero = np.eye(dimension), np.zeros((dimension, dimension))

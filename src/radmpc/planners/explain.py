@@ -40,7 +40,9 @@ _MAX_NODES = 2_000
 """Nodes to find out whether a vehicle or a pair alone has a plan [-]."""
 
 
-def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> str:
+def explain_infeasible(
+    scenario: Scenario, planner: Planner, limits: Limits, fleet_bound: float | None = None
+) -> str:
     """Find the simplest reason why vehicles cannot be planned.
 
     Tried in this order: feedback that needs more control than there is, goals out of reach, closed
@@ -55,11 +57,13 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
         Risk policy and gap that they were planned with.
     limits : Limits
         When to stop looking.
+    fleet_bound : float or None
+        Δ of the whole fleet, of which these have a share; None where theirs is all of it.
 
     Returns
     -------
     str
-        One or two sentences, naming vehicles, obstacles and times.
+        A few sentences, naming vehicles, obstacles and times.
     """
     models = condensed_models(scenario)
     unable = [
@@ -78,8 +82,18 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
     if not members:
         return text
     part = scenario.subset(members, scenario.risk_bound)
-    cure = passage_sentence(part, partial(_finds_way, planner), limits)
-    return " ".join(filter(None, [text, cure]))
+    cure = passage_sentence(part, partial(_finds_way, planner), limits, fleet_bound)
+    return " ".join(filter(None, [text, _share_text(scenario, fleet_bound), cure]))
+
+
+def _share_text(scenario: Scenario, fleet_bound: float | None) -> str:
+    """Say what share of the fleet's Δ some vehicles have; empty where it is all of it."""
+    if fleet_bound is None or scenario.risk_bound >= fleet_bound * (1.0 - 1e-9):
+        return ""
+    whose = "Its" if scenario.num_vehicles == 1 else "Their"
+    return (
+        f"{whose} share of risk_bound {fleet_bound:g}, by head count, is {scenario.risk_bound:g}."
+    )
 
 
 def _no_way(scenario: Scenario, planner: Planner, limits: Limits) -> tuple[str, tuple[int, ...]]:
@@ -150,8 +164,11 @@ def explain_stuck(
     """
     if not stuck:
         return None
-    share = scenario.risk_bound * len(stuck) / scenario.num_vehicles
-    return explain_infeasible(scenario.subset(stuck, share), planner, limits)
+    whole = scenario.risk_bound
+    if planner.policy.family == "deterministic":
+        return explain_infeasible(scenario.subset(stuck, whole), planner, limits)
+    share = whole * len(stuck) / scenario.num_vehicles
+    return explain_infeasible(scenario.subset(stuck, share), planner, limits, whole)
 
 
 def trivially_infeasible(scenario: Scenario, *, deterministic: bool = False) -> str | None:

@@ -43,12 +43,15 @@ class SetTask:
         For the steps' record.
     rng : Generator or None
         For solvers that draw samples.
+    fleet_bound : float or None
+        Δ of the whole fleet; None where these are all of it.
     """
 
     scenario: Scenario
     planner: Planner
     stage: str
     rng: np.random.Generator | None = None
+    fleet_bound: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,7 +111,7 @@ def plan_set(task: SetTask, limits: Limits) -> SetPlan:
         return SetPlan(solution.outcome, controls, solved.steps)
     explanation = None
     if solution.outcome is Outcome.INFEASIBLE:
-        explanation = explain_infeasible(scenario, task.planner, limits)
+        explanation = explain_infeasible(scenario, task.planner, limits, task.fleet_bound)
     return SetPlan(solution.outcome, (), solved.steps, explanation)
 
 
@@ -139,9 +142,10 @@ def plan_sets(
     list of SetPlan
         In the order of the sets, whatever the executor.
     """
-    share = scenario.risk_bound / scenario.num_vehicles
+    whole = scenario.risk_bound
+    share = whole / scenario.num_vehicles
     tasks = [
-        SetTask(scenario.subset(members, share * len(members)), planner, stage, rng)
+        SetTask(scenario.subset(members, share * len(members)), planner, stage, rng, whole)
         for members, rng in zip(sets, children(run.rng, len(sets)), strict=True)
     ]
     progress = partial(run.progress, stage)

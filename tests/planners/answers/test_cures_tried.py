@@ -8,7 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from radmpc import Goal, Obstacle, Scenario, Vehicle, Visit, Workspace, double_integrator, plan
+from radmpc import (
+    Goal,
+    Obstacle,
+    Scenario,
+    Status,
+    Vehicle,
+    Visit,
+    Workspace,
+    double_integrator,
+    from_dict,
+    plan,
+)
 from radmpc.planners.certified.infeasible.cures import find_cures
 from radmpc.planners.cures.trying import passage_sentence, reach_sentence
 from radmpc.planners.cures.variants import (
@@ -122,3 +133,55 @@ def test_a_longer_horizon_and_feedback_are_tried_together_where_neither_does_alo
     assert weight is not None, told
     cured = regulated(slow, float(weight[1]))
     assert plan(replace(scenario, horizon=int(horizon[1]), vehicles=(cured,))).is_certified
+
+
+def one_in_a_gap(risk_bound: float) -> Scenario:
+    """Return a vehicle that needs 0.02 to 0.04 for a gap, and one far from it."""
+
+    def vehicle(name: str, y: float) -> dict[str, object]:
+        goal = {"center": [8, y], "half_width": 0.5, "speed": None}
+        return {"name": name, "start": [0, y], "goal": goal}
+
+    return from_dict(
+        {
+            "format": "radmpc/scenario/1",
+            "name": "gap",
+            "dt": 1.0,
+            "horizon": 6,
+            "risk_bound": risk_bound,
+            "avoidance": "steps",
+            "obstacles": [
+                {"name": "north", "min": [3, 0.72], "max": [5, 9]},
+                {"name": "south", "min": [3, -9], "max": [5, -0.72]},
+            ],
+            "defaults": {
+                "radius": 0.4,
+                "control_limit": 3.0,
+                "speed_limit": 2.0,
+                "disturbance_covariance": [0.0, 0.0064, 0.0, 0.0],
+            },
+            "vehicles": [vehicle("narrow", 0), vehicle("free", 20)],
+        }
+    )
+
+
+@pytest.mark.parametrize("planner", ["distance", "radmpc"])
+def test_a_bound_that_is_said_to_help_is_the_fleets_and_does(planner):
+    scenario = one_in_a_gap(0.04)
+    result = plan(scenario, planner)
+    assert result.status is Status.INFEASIBLE
+    assert "Its share of risk_bound 0.04, by head count, is 0.02." in result.explanation
+    [raised] = re.findall(r"raise risk_bound to (0\.\d+)", result.explanation)
+    bolder = plan(replace(scenario, risk_bound=float(raised)), planner)
+    assert bolder.status is Status.FEASIBLE
+
+
+def test_planners_that_ignore_the_bound_have_no_share_of_it():
+    scenario = one_in_a_gap(0.04)
+    narrow, free = scenario.vehicles
+    within = Goal(np.array([3.9, 1.9]), np.array([4.1, 2.1]), None)
+    text = plan(
+        replace(scenario, vehicles=(replace(narrow, goal=within), free)), "dmpc"
+    ).explanation
+    assert "(a risk of 1, above risk_bound 0.04)" in text
+    assert "share" not in text

@@ -45,7 +45,7 @@ def box_of(spec: GoalSpec | VisitSpec, *path: str | int) -> tuple[Vector, Vector
         upper, key = as_vector(spec.max, lower.size, (*path, "max")), "min"
     else:
         names = ("center", "half_width", "min", "max")
-        given = [n for n in names if n in spec.model_fields_set]
+        given = [n for n in names if n in spec.model_fields_set and getattr(spec, n) is not None]
         raise ScenarioError(
             "needs either center (and half_width), or min and max; "
             f"got {' and '.join(given) or 'none of them'}",

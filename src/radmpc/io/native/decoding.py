@@ -19,14 +19,13 @@ from radmpc.io.native.schema import (
     TrackSpec,
     VehicleSpec,
 )
-from radmpc.io.native.vehicle_decoding import Shared, build_goal, build_vehicle
+from radmpc.io.native.vehicle_decoding import Shared, build_goal, build_vehicle, check_step
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES
 from radmpc.io.text.files import shown
 from radmpc.model.numbers import check_not_negative, check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.ranges import check_range
 
 if TYPE_CHECKING:
     from radmpc.model.relations.keep import Keep
@@ -95,7 +94,7 @@ def _build(spec: ScenarioSpec) -> Scenario:
     workspace = parts.attempt(lambda: _workspace(spec))
     obstacles = parts.attempt(lambda: _obstacles(spec))
     num_errors = len(parts.errors)
-    parts.attempt(lambda: check_range(spec.dt, "s", ("dt",)))
+    parts.attempt(lambda: check_step(spec))
     # With any step the other errors of vehicles show, too.
     dt = spec.dt if len(parts.errors) == num_errors else 1.0
     vehicles = parts.attempt(lambda: _vehicles(spec, dt))

@@ -14,16 +14,38 @@ from radmpc.io.native.schema import (
     GoalSpec,
     LqrSpec,
     NormSpec,
+    ScenarioSpec,
     VehicleSpec,
 )
 from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
 from radmpc.model.numbers import check_vehicle_numbers
 from radmpc.model.states import as_state
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.ranges import check_range
 
-__all__ = ["Shared", "build_goal", "build_vehicle"]
+__all__ = ["Shared", "build_goal", "build_vehicle", "check_step"]
 
 _REQUIRED = ("name", "start", "radius", "control_limit")
+
+
+def check_step(spec: ScenarioSpec) -> None:
+    """Refuse a length of steps that is none, or too long for the double integrators there are.
+
+    Parameters
+    ----------
+    spec : ScenarioSpec
+        What the file gives.
+
+    Raises
+    ------
+    ScenarioError
+        With what is allowed.
+    """
+    dt = check_range(spec.dt, "s", ("dt",))
+    usual = spec.defaults.dynamics
+    own = (v.dynamics if "dynamics" in v.model_fields_set else usual for v in spec.vehicles)
+    if any(dynamics.model is not None for dynamics in own):
+        double_integrator(dt, 2)
 
 
 class Shared:

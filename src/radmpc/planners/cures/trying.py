@@ -42,7 +42,9 @@ Does = Callable[[Scenario, Limits], bool]
 """Whether a scenario that was changed has what was missing; ends by the limits."""
 
 
-def passage_sentence(scenario: Scenario, does: Does, limits: Limits) -> str:
+def passage_sentence(
+    scenario: Scenario, does: Does, limits: Limits, fleet_bound: float | None = None
+) -> str:
     """Return what gives vehicles room that find no way: horizon, Δ, faces, or else less noise.
 
     Parameters
@@ -53,6 +55,8 @@ def passage_sentence(scenario: Scenario, does: Does, limits: Limits) -> str:
         Whether they have a way in a changed scenario.
     limits : Limits
         When to stop trying.
+    fleet_bound : float or None
+        Δ of the whole fleet, of which these have a share; None where theirs is all of it.
 
     Returns
     -------
@@ -60,7 +64,8 @@ def passage_sentence(scenario: Scenario, does: Does, limits: Limits) -> str:
         A sentence; empty where nothing that was tried does.
     """
     within = limits.within(_SECONDS)
-    found = [*_longer(scenario, does, within), *_bolder(scenario, does, within)]
+    bolder = _bolder(scenario, does, within, fleet_bound or scenario.risk_bound)
+    found = [*_longer(scenario, does, within), *bolder]
     if scenario.num_vehicles > 1 and scenario.dimension == 2:
         more = (count for count in _FACES if count > scenario.num_pair_faces)
         finer = ((f"{count}", replace(scenario, pair_faces=count)) for count in more)
@@ -115,10 +120,11 @@ def _longer(scenario: Scenario, does: Does, limits: Limits) -> Iterator[str]:
         yield longer_text(scenario, int(told))
 
 
-def _bolder(scenario: Scenario, does: Does, limits: Limits) -> Iterator[str]:
-    """Yield the smallest bound that does, of those tried."""
-    bounds = [rounded_up(factor * scenario.risk_bound, 3) for factor in _RISKS]
-    bolder = ((f"{b:g}", replace(scenario, risk_bound=b)) for b in bounds if b <= MOST_RISK)
+def _bolder(scenario: Scenario, does: Does, limits: Limits, fleet_bound: float) -> Iterator[str]:
+    """Yield the smallest bound of the fleet that does, of those tried."""
+    share = scenario.risk_bound / fleet_bound
+    bounds = [rounded_up(factor * fleet_bound, 3) for factor in _RISKS]
+    bolder = ((f"{b:g}", replace(scenario, risk_bound=share * b)) for b in bounds if b <= MOST_RISK)
     for told in _first(bolder, does, limits):
         yield f"raise risk_bound to {told}"
 
