@@ -193,8 +193,10 @@ def trivially_infeasible(scenario: Scenario, *, deterministic: bool = False) -> 
         sure = endpoint_reasons(scenario, found)
         if sure:
             return " ".join(text for _, text in grouped(scenario, sure))
-    at_start = max(program.initial_risk, sum(risk for _, risk in program.initial))
-    if program.initial and at_start >= (0.5 if deterministic else program.risk_bound):
+    risks = [risk for _, risk in program.initial]
+    # Who ignores noise starts wherever means are free, whatever all starts risk together.
+    at_start = max(risks, default=0.0) if deterministic else max(program.initial_risk, sum(risks))
+    if risks and at_start >= (0.5 if deterministic else program.risk_bound):
         return start_too_risky(program, at_start)
     infeasible = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
     if infeasible.size:

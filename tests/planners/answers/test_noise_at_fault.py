@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from radmpc import Goal, Scenario, Vehicle, Workspace, double_integrator, plan
+from radmpc import Goal, Obstacle, Scenario, Vehicle, Workspace, double_integrator, plan
 from radmpc.planners.wording import least_text, rounded
 from radmpc.preflight import concerns_of, outlook_of
 
@@ -82,3 +82,18 @@ def test_a_goal_at_the_border_is_too_close_to_it() -> None:
 def test_no_probability_above_1_is_told(risk: float, text: str) -> None:
     assert least_text(risk) == text
     assert rounded(risk, 0.05) == text
+
+
+@pytest.mark.parametrize("planner", ["milp", "rmpc"])
+def test_planners_that_ignore_noise_do_not_blame_what_all_starts_risk_together(
+    planner: str,
+) -> None:
+    starts = np.diag([0.04, 0.04, 1e-4, 1e-4])
+    fleet = [vehicle(f"v{i}", 10.0 * i, 1e-5, start=starts) for i in range(3)]
+    beside = [Obstacle.box(f"b{i}", [0, 10 * i + 0.5], [2, 10 * i + 1.5]) for i in range(3)]
+    wall = Obstacle.box("wall", [6.0, -50.0], [7.0, 80.0])
+    closed = Scenario("starts", 1.0, 12, 0.05, tuple(fleet), obstacles=(*beside, wall))
+    told = plan(closed, planner).explanation
+    assert told is not None
+    assert "starts" not in told
+    assert "wall" in told
