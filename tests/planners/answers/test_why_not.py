@@ -71,15 +71,14 @@ def far(name="far"):
     return vehicle(name, (0, 60), (4, 60))
 
 
-@pytest.mark.nightly
 @pytest.mark.slow
-def test_a_vehicle_behind_a_wall_is_named_with_the_wall_and_the_rest_can_go():
+def test_a_vehicle_behind_a_wall_is_told_how_long_the_way_around_takes_and_the_rest_can_go():
     result = plan(
         scenario(vehicle("a", (0, 0), (10, 0)), far(), obstacles=wall_with_gap(0.1)), "certified"
     )
     assert result.status is Status.INFEASIBLE
-    assert "'a' has no plan by the faces of this scenario, at any risk" in result.explanation
-    assert "'north' or obstacle 'south'" in result.explanation
+    assert "Vehicle 'a' cannot be at its goal by step 10" in result.explanation
+    assert "around obstacles that takes 22 steps (22 s) at least" in result.explanation
     assert "The other vehicle can be planned" in result.explanation
 
 
@@ -111,7 +110,7 @@ def test_the_bound_that_is_proposed_would_do_and_a_smaller_one_than_proven_would
         risk_bound=1e-3,
     )
     result = plan(problem, "certified")
-    assert result.status is Status.INFEASIBLE
+    assert result.plan is None  # with more faces than were searched there might be one
     assert "vehicle 'a' and obstacle" in result.explanation
     found = least_risk(problem, Limits())
     assert problem.risk_bound < found.bound <= found.risk < 0.49
