@@ -110,6 +110,31 @@ def test_what_attempts_miss_alike_is_turned_unless_it_is_far_too_much(
     assert len(turned) == (2 if is_turned else 1)
 
 
+@pytest.mark.parametrize(("missed", "is_sooner"), [(0.5, True), (90.0, False)])
+def test_what_misses_little_is_turned_before_times_are_drawn(
+    missed: float, is_sooner: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = circle(3)
+    begin, turned = begun(Hazards.of(scenario, condensed_models(scenario))), []
+    first = Attempt(begin.referring({}), 0)
+    begins = iter([first, Attempt(begin.referring({}), 0, is_drawn=True)])
+
+    def kept_apart(_: Begin, attempt: Attempt, __: Limits) -> tuple[float, FleetIncumbent, bool]:
+        if attempt.is_drawn:
+            assert turned == ([first] if is_sooner else [])
+        return (1.1 if attempt.is_drawn else 1.0) * missed, FleetIncumbent(), False
+
+    def run(attempt: Attempt) -> FleetIncumbent:
+        turned.append(attempt)
+        return FleetIncumbent()
+
+    monkeypatch.setattr(making, "_attempts", lambda *_: begins)
+    monkeypatch.setattr(making, "_turned", kept_apart)
+    monkeypatch.setattr(Attempt, "run", run)
+    making.tried(begin, np.random.default_rng(0), Limits())
+    assert turned == [first]
+
+
 def test_who_keeps_apart_at_once_but_risks_too_much_is_planned_like_all_others(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

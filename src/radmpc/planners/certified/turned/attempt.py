@@ -106,6 +106,8 @@ class Attempt:
         Turns at a price of risk at most, once there is a plan; as usual before [-].
     rng : Generator or None
         Draws other paces for the few that cannot keep theirs; None leaves them.
+    is_drawn : bool
+        Whether it begins at drawn times, which seldom leads to what misses less than others do.
     """
 
     turning: Turning
@@ -114,6 +116,7 @@ class Attempt:
     is_placed: bool = False
     rounds: int = TUNING.first_rounds
     rng: np.random.Generator | None = None
+    is_drawn: bool = False
 
     def run(self) -> FleetIncumbent:
         """Turn half-spaces at a price of risk; return the best plan, if any."""
