@@ -112,9 +112,9 @@ def test_an_adversary_is_charged_all_of_the_bound_and_no_more(scene):
 
 
 def all_taken_for_known(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = remainder.unknown_after
+    right = knowing.unknown_after
     coming = np.diag([0.0, 0.0, 1.0, 1.0])
-    monkeypatch.setattr(remainder, "unknown_after", lambda *given: coming @ right(*given) @ coming)
+    monkeypatch.setattr(knowing, "unknown_after", lambda *given: coming @ right(*given) @ coming)
 
 
 def gusts_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -209,8 +209,9 @@ def controls_of(models: Sequence[CondensedModel], z: Vector) -> list[Matrix]:
     controls, start = [], 0
     for model in models:
         span = model.control_bounds.size
-        plus, minus = z[start : start + span], z[start + span : start + 2 * span]
-        controls.append((plus - minus).reshape(model.control_bounds.shape))
+        # Solvers keep bounds up to a tolerance; below 0 a control would be rewarded.
+        halves = np.maximum(z[start : start + 2 * span], 0.0)
+        controls.append((halves[:span] - halves[span:]).reshape(model.control_bounds.shape))
         start += 2 * span
     return controls
 

@@ -63,9 +63,7 @@ def test_no_certified_plan_of_another_planner_is_cheaper(name, others):
     result = plan(scene(name), "certified", time_limit=20.0)
     assert certify(result.require()).holds
     assert result.cost <= others * (1.0 + 1e-3)
-    # Where no plan is by the faces, there is no bound by them either, only that on any plan.
-    is_proven = name != "no-way-by-faces"
-    assert result.status is (Status.OPTIMAL if is_proven else Status.FEASIBLE)
+    assert result.status is Status.OPTIMAL
 
 
 def passers(acceleration):

@@ -201,7 +201,8 @@ def conditionals(
         each = closer_of(law.samples)[1] if is_measured else cutoff_of(law.samples)[1]
         total = total + far.charge(left, each, intervals=intervals)
         soon = soon + far.charge(min(left, 1), each, intervals=intervals)
-    return Conditionals(total, least, soon, half, exact)
+    # Summed in another order the least may come out above by rounding.
+    return Conditionals(total, np.minimum(least, total), soon, half, exact)
 
 
 def _law(motion: FleetMotion, scale: Scale | None, *, is_measured: bool) -> Scale:

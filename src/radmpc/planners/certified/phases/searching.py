@@ -285,6 +285,7 @@ def tell(run: Run, cost: float, bound: float) -> None:
     cost, bound : float
         Of the plan, and of all by faces; -inf where nothing is proven.
     """
+    cost = max(cost, 0.0)  # of no control programs make a little less than nothing
     is_bound = bound <= cost + _ROUNDING * abs(cost)
     run.found(cost, finite(min(bound, cost)) if is_bound else None)
 
