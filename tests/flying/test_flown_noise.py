@@ -140,19 +140,19 @@ def winds_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 MUTANTS = [
-    (blown, winds_forgotten),
-    (estimated, all_taken_for_known),
-    (gusty, gusts_forgotten),
-    (beside_a_berg, tracks_taken_for_known),
+    # One in ten missions hits something then: few missions do not tell.
+    pytest.param(blown, winds_forgotten, 500, marks=pytest.mark.nightly),
+    (estimated, all_taken_for_known, 60),
+    (gusty, gusts_forgotten, 60),
+    (beside_a_berg, tracks_taken_for_known, 60),
 ]
 
 
 @pytest.mark.slow
 @pytest.mark.sampled(1)
-@pytest.mark.parametrize(("scene", "mutant"), MUTANTS)
-def test_who_takes_for_known_what_is_not_is_found_out(scene, mutant, monkeypatch):
+@pytest.mark.parametrize(("scene", "mutant", "missions"), MUTANTS)
+def test_who_takes_for_known_what_is_not_is_found_out(scene, mutant, missions, monkeypatch):
     mutant(monkeypatch)
-    missions = 60
     hits, _ = staked(scene(), missions)
     assert least_rate(hits, missions) > BOUND
 
