@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from radmpc import Goal, Obstacle, Scenario, Vehicle, Workspace, certify, double_integrator, plan
-from radmpc.experiments.families import circle
+from radmpc.experiments.families import circle, clutter
 from radmpc.planners.certified.phases import searching
 from radmpc.planners.certified.phases.turned_first import FirstReports
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
@@ -93,7 +93,7 @@ FACING = Hazards.of(circle(2), condensed_models(circle(2)))
 
 def test_a_dear_first_plan_of_few_waits_for_the_next() -> None:
     told = Told()
-    with closing(FirstReports(told.run, FACING)) as report:
+    with closing(FirstReports(told.run, FACING, 0.05)) as report:
         report(costing(3.0))
         assert (len(told.costs), len(told.plans)) == (0, 1)
         report(costing(2.5))
@@ -103,19 +103,25 @@ def test_a_dear_first_plan_of_few_waits_for_the_next() -> None:
 
 def test_other_first_plans_are_reported_at_once() -> None:
     told = Told()
-    FirstReports(told.run, FACING)(costing(1.5))
+    FirstReports(told.run, FACING, 0.05)(costing(1.5))
     assert told.costs == [costing(1.5).cost]
+
+
+def test_among_many_obstacles_a_dear_first_plan_that_uses_the_risk_bound_does_not_wait() -> None:
+    told, among = Told(), Hazards.of(clutter(2, 100, 0), condensed_models(clutter(2, 100, 0)))
+    FirstReports(told.run, among, 0.05)(costing(100.0))
+    assert told.costs == [costing(100.0).cost]
 
 
 def test_dear_first_plans_of_more_vehicles_are_reported_at_once() -> None:
     told, crowd = Told(), Hazards.of(circle(5), condensed_models(circle(5)))
-    FirstReports(told.run, crowd)(costing(100.0))
+    FirstReports(told.run, crowd, 0.05)(costing(100.0))
     assert told.costs == [costing(100.0).cost]
 
 
 def test_a_first_plan_that_waits_is_reported_in_the_end() -> None:
     told = Told()
-    with closing(FirstReports(told.run, FACING)) as report:
+    with closing(FirstReports(told.run, FACING, 0.05)) as report:
         report(costing(3.0))
     assert told.costs == [costing(3.0).cost]
 

@@ -238,7 +238,7 @@ def _first(
         from radmpc.planners.certified.turned.touring.visiting import at_good_visits  # noqa: PLC0415 - few have any
 
         visits = at_good_visits(hazards)
-    reports, risk_bound = FirstReports(run, hazards), scenario.risk_bound
+    reports, risk_bound = FirstReports(run, hazards, scenario.risk_bound), scenario.risk_bound
 
     def alone(i: int) -> DisjunctiveProgram:
         return build_program(scenario, (hazards.models[i],), risk_bound=risk_bound)
