@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,17 @@ def hazards_of(scenario: Scenario) -> Hazards:
 
 def never() -> bool:
     return False
+
+
+def both_paced(hazards: Hazards) -> Mapping[int, np.ndarray]:
+    """Return where two vehicles are at each step, each at a pace along its shortest route."""
+    clear = Clear.of(hazards)
+    assert clear is not None
+    pacing = Pacing(hazards, clear, 1.0)
+    pacing.offer(shortest_routes(hazards, clear, 1.0))
+    placed = pacing.run(range(2), never)
+    assert set(placed) == {0, 1}
+    return placed
 
 
 def test_the_center_of_any_hull_may_be_on_the_border() -> None:
@@ -62,12 +74,7 @@ def test_who_passes_first_hurries_if_others_find_no_pace_behind_it(tmp_path: Pat
     scenario = cells(tmp_path, (9, 3), free, [((2, 0), (6, 2)), ((8, 0), (0, 0))])
     scenario = replace(scenario, horizon=20)
     hazards = hazards_of(scenario)
-    clear = Clear.of(hazards)
-    assert clear is not None
-    pacing = Pacing(hazards, clear, 1.0)
-    pacing.offer(shortest_routes(hazards, clear, 1.0))
-    placed = pacing.run(range(2), never)
-    assert set(placed) == {0, 1}
+    placed = both_paced(hazards)
     apart = np.linalg.norm(placed[0] - placed[1], axis=1)
     assert apart.min() >= hazards.radii.sum()
 
@@ -76,10 +83,5 @@ def test_who_stays_has_a_pace_like_all_others(tmp_path: Path) -> None:
     free = {(x, 0) for x in range(6)}
     scenario = cells(tmp_path, (6, 1), free, [((0, 0), (0, 0)), ((4, 0), (2, 0))])
     hazards = hazards_of(scenario)
-    clear = Clear.of(hazards)
-    assert clear is not None
-    pacing = Pacing(hazards, clear, 1.0)
-    pacing.offer(shortest_routes(hazards, clear, 1.0))
-    placed = pacing.run(range(2), never)
-    assert set(placed) == {0, 1}
+    placed = both_paced(hazards)
     assert np.abs(placed[0] - placed[0][0]).max() < 1e-3
