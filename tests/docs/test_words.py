@@ -137,9 +137,10 @@ def test_a_lost_word_within_a_name_is_noticed(name: str) -> None:
     assert any(uses(word, in_words(name)) for word in replaced_words())
 
 
-@pytest.mark.parametrize("name", ["glossary.md", "engine.md"])
-def test_files_and_names_that_explain_the_code_exist(name: str) -> None:
-    page = (ROOT / "docs" / name).read_text(encoding="utf-8")
+@pytest.mark.parametrize("names", [["glossary.md"], ["engine.md", "engine/*.md"]], ids=str)
+def test_files_and_names_that_explain_the_code_exist(names: list[str]) -> None:
+    pages = [path for name in names for path in sorted((ROOT / "docs").glob(name))]
+    page = "\n".join(path.read_text(encoding="utf-8") for path in pages)
     quoted = re.findall(r"`([^`\n]+)`", re.sub(r"^```.*?^```$", "", page, flags=re.M | re.S))
     files = [word for word in quoted if re.fullmatch(r"(?!tests/|benchmarks/)[\w/]+\.py", word)]
     there = [path.relative_to(SOURCE).as_posix() for path in SOURCE.rglob("*.py")]
