@@ -16,6 +16,11 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.geometry import inner_faces
 from radmpc.planners.certified.turned.near import Near, squared_limits
 from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
+from radmpc.planners.certified.turned.normals.at_steps import (
+    beside_pieces,
+    beside_vehicles,
+    is_nearest_best,
+)
 from radmpc.planners.certified.turned.normals.directions import closest_approach, from_obstacles
 from radmpc.planners.certified.turned.normals.encounter import (
     Encounter,
@@ -98,8 +103,10 @@ def _between(
         is_near &= counts[two]
     number, window = np.nonzero(is_near)
     pairing = one[number], two[number], window
-    normals = pair_normals(hazards, both, pairing, radii[number], is_refined=near.is_refined)
     keys = (pairing[0] * hazards.count + pairing[1]) * hazards.horizon + window
+    if is_nearest_best(hazards, of_pieces=False):
+        return beside_vehicles(hazards, both, pairing, keys, is_refined=near.is_refined)
+    normals = pair_normals(hazards, both, pairing, radii[number], is_refined=near.is_refined)
     met = pair_encounter(hazards, paths, pairing, radii[number])
     if not (near.is_start_given and hazards.intervals):
         return laid_out(met, normals, pairing, keys, near.is_nearest_asked)
@@ -125,8 +132,13 @@ def _around(
     gaps = np.maximum(gaps, 0.0)
     limit = squared_limits(hazards, (members, places, pieces), near)
     number, window = np.nonzero(np.einsum("pwd,pwd->pw", gaps, gaps) < limit)
-    place, piece = places[number], pieces[number]
-    first, radius = members[place], hazards.radii[members[place]][:, None]
+    piece, first = pieces[number], members[places[number]]
+    base = hazards.count**2 * hazards.horizon
+    keys = base + (first * shapes.count + piece) * hazards.horizon + window
+    if is_nearest_best(hazards, of_pieces=True):
+        which = first, piece, window
+        return beside_pieces(hazards, both, which, keys, is_refined=near.is_refined)
+    radius = hazards.radii[first][:, None]
     later = shapes.vertices[piece, window + 1]
     corners = ends_of(hazards, shapes.vertices[piece, window], later)
 
@@ -147,10 +159,7 @@ def _around(
     met = encounter(paths)
     if near.is_refined and piece.size:
         moved = encounter(ahead)
-    is_exact = hazards.is_isotropic and not hazards.intervals
-    normals = from_obstacles((met, moved), (faces, corners), is_exact=is_exact)
-    base = hazards.count**2 * hazards.horizon
-    keys = base + (first * shapes.count + piece) * hazards.horizon + window
+    normals = from_obstacles((met, moved), (faces, corners))
     which = first, np.full(piece.size, -1), window
     return laid_out(met, normals, which, keys, near.is_nearest_asked)
 

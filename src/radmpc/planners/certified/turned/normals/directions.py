@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
@@ -9,7 +11,7 @@ from radmpc.geometry import sphere_directions
 from radmpc.planners.certified.turned.normals.encounter import Encounter
 from radmpc.planners.certified.turned.tuning import TUNING
 
-__all__ = ["around_approach", "closest_approach", "from_obstacles", "nearest", "refined"]
+__all__ = ["around_approach", "closest_approach", "from_obstacles", "line_of_approach", "refined"]
 
 _THROUGH = 1e-3
 """Share of the distance to keep below which two paths count as through each other [-]: what is left
@@ -41,6 +43,30 @@ def closest_approach(relative: Tensor) -> Tensor:
     return np.asarray(before + along[..., None] * moved)
 
 
+def line_of_approach(
+    closest: Matrix, distance: Vector, ways: Callable[[], tuple[Matrix, Vector]]
+) -> Matrix:
+    """Return unit vectors along the line of closest approach between two vehicles, (w, d).
+
+    Parameters
+    ----------
+    closest : (w, d) array
+        Relative position where they are closest [m].
+    distance : (w,) array
+        Distance to keep [m].
+    ways : callable
+        Called where some are through each other: relative motions over the windows, (w, d) [m], and
+        which way to part where neither moves, (w,) [-].
+    """
+    length = np.sqrt(np.einsum("wd,wd->w", closest, closest))
+    normals = closest / np.maximum(length, _TINY)[:, None]
+    through = length < _THROUGH * distance
+    if through.any():
+        moved, signs = ways()
+        normals[through] = _across(moved[through], signs[through])
+    return np.asarray(normals)
+
+
 def around_approach(
     closest: Matrix, moved: Matrix, distance: Vector, signs: Vector, *, many: bool
 ) -> Tensor:
@@ -59,12 +85,7 @@ def around_approach(
     many : bool
         Whether directions all around are wanted, too.
     """
-    length = np.sqrt(np.einsum("wd,wd->w", closest, closest))
-    normals = closest / np.maximum(length, _TINY)[:, None]
-    through = length < _THROUGH * distance
-    if through.any():
-        normals[through] = _across(moved[through], signs[through])
-    tried = normals[:, None]
+    tried = line_of_approach(closest, distance, lambda: (moved, signs))[:, None]
     if not many:
         return np.asarray(tried)
     coarse = _COARSE[closest.shape[1]]
@@ -90,26 +111,6 @@ def refined(encounters: tuple[Encounter, Encounter], tried: Tensor) -> Matrix:
     return normals
 
 
-def nearest(encounters: tuple[Encounter, Encounter], tried: tuple[Tensor, Tensor]) -> Matrix:
-    """Return the same as `refined` where the best of all directions is among those given.
-
-    As at steps in isotropic noise: away from the nearest point of what is avoided.
-
-    Parameters
-    ----------
-    encounters : tuple of Encounter
-        Of the latest paths, and of where they move.
-    tried : tuple of (w, c, d) array
-        Unit directions for each of them; zeros stand for none.
-    """
-    latest, moved = encounters
-    normals = moved.best_of(tried[1])
-    crossed = latest.clearances(normals[:, None])[:, 0] < TUNING.crossed
-    if crossed.any():
-        normals = np.where(crossed[:, None], latest.best_of(tried[0]), normals)
-    return normals
-
-
 def _across(moved: Matrix, signs: Vector) -> Matrix:
     """Return unit normals across relative motions, opposite ones for opposite motions or signs."""
     length = np.linalg.norm(moved, axis=1, keepdims=True)
@@ -127,8 +128,6 @@ def _across(moved: Matrix, signs: Vector) -> Matrix:
 def from_obstacles(
     encounters: tuple[Encounter, Encounter | None],
     shape: tuple[Tensor, tuple[Tensor, ...]],
-    *,
-    is_exact: bool,
 ) -> Matrix:
     """Return the best normals between paths and shapes, (w, d).
 
@@ -139,16 +138,10 @@ def from_obstacles(
         without noise will do.
     shape : tuple
         Outward normals of the shapes, and their corners, see `_from_shape`.
-    is_exact : bool
-        Whether that tells the best direction with noise, too, in the plane: at steps, isotropic.
     """
     latest, moved = encounters
     tried = _from_shape(*shape, latest.ends)
-    if moved is None:
-        return latest.best_of(tried)
-    if is_exact and tried.shape[2] == 2:
-        return nearest((latest, moved), (tried, _from_shape(*shape, moved.ends)))
-    return refined((latest, moved), tried)
+    return latest.best_of(tried) if moved is None else refined((latest, moved), tried)
 
 
 def _from_shape(faces: Tensor, corners: tuple[Tensor, ...], ends: tuple[Matrix, ...]) -> Tensor:

@@ -9,7 +9,6 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.normals.directions import (
     around_approach,
     closest_approach,
-    nearest,
     refined,
 )
 from radmpc.planners.certified.turned.normals.encounter import Encounter, ends_of, noise_of
@@ -58,10 +57,6 @@ def pair_normals(
     first, second, window = pairing
     if not (is_refined and first.size):
         return np.asarray(_approach(hazards, both[0], pairing, distance, many=False)[:, 0])
-    if hazards.is_isotropic and not hazards.intervals:
-        each = [pair_encounter(hazards, paths, pairing, distance) for paths in both]
-        lines = [_approach(hazards, paths, pairing, distance, many=False) for paths in both]
-        return nearest((each[0], each[1]), (lines[0], lines[1]))
     tried = _approach(hazards, both[0], pairing, distance, many=True)
     near = _to_refine(hazards, both, pairing, distance, tried[:, 0])
     normals: Matrix = tried[:, 0].copy()
