@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from collections.abc import Iterator
 from hashlib import sha256
@@ -42,10 +43,16 @@ class Folder:
     ----------
     root : Path
         There is one.
+
+    Attributes
+    ----------
+    lock : asyncio.Lock
+        Held from `writable` to the end of `write`: else two pages that name the same new file at
+        once would both find it free.
     """
 
     def __init__(self, root: Path) -> None:
-        self.root = root.resolve()
+        self.root, self.lock = root.resolve(), asyncio.Lock()
 
     def readable(self, path: object, *suffixes: str) -> Path:
         """Return the file at a path that the page names.

@@ -168,29 +168,40 @@ async def saved(desk: Desk, args: Args) -> object:
     """Write a document to a file of the folder, with the comments that it was read with."""
     document = desk.document(given.text(args, "document"))
     path = given.text(args, "path")
-    overwrite, is_its_own = given.flag(args, "overwrite"), document.file == path
-    place = desk.folder.writable(path, *SCENARIOS, overwrite=overwrite or is_its_own)
-    if not overwrite and place.exists() and desk.folder.digest(place) != document.digest:
-        raise refused(f"{path}: it is there already, and has changed since it was read")
+    overwrite = given.flag(args, "overwrite")
+    place = _place_of(desk, document, path, overwrite=overwrite)
     async with document.lock:
         content = document.content
         suffix = place.suffix.lower()
         text = await asyncio.to_thread(text_of, content, suffix, document.origin)
-        await asyncio.to_thread(desk.folder.write, place, text)
+        async with desk.folder.lock:
+            place = _place_of(desk, document, path, overwrite=overwrite)
+            await asyncio.to_thread(desk.folder.write, place, text)
+            document.digest = desk.folder.digest(place)
         document.saved_as(desk.folder.name_of(place), content)
-        document.digest = desk.folder.digest(place)
         if suffix != ".json":
             document.origin = Original(text)
     return Changed(desk.state(document))
 
 
+def _place_of(desk: Desk, document: Document, path: str, *, overwrite: bool) -> Path:
+    """Return where a document may be written: over its own file, if nobody else has changed it."""
+    is_its_own = document.file == path
+    place = desk.folder.writable(path, *SCENARIOS, overwrite=overwrite or is_its_own)
+    if not overwrite and place.exists() and desk.folder.digest(place) != document.digest:
+        raise refused(f"{path}: it is there already, and has changed since it was read")
+    return place
+
+
 async def plan_saved(desk: Desk, args: Args) -> object:
     """Write a plan to a file of the folder."""
     kept = desk.plan(given.text(args, "plan"))
-    overwrite = given.flag(args, "overwrite")
-    place = desk.folder.writable(given.text(args, "path"), ".json", overwrite=overwrite)
+    path, overwrite = given.text(args, "path"), given.flag(args, "overwrite")
+    desk.folder.writable(path, ".json", overwrite=overwrite)
     text = await asyncio.to_thread(_plan_text, kept.plan)
-    await asyncio.to_thread(desk.folder.write, place, text)
+    async with desk.folder.lock:
+        place = desk.folder.writable(path, ".json", overwrite=overwrite)
+        await asyncio.to_thread(desk.folder.write, place, text)
     return None
 
 
