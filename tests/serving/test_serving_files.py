@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import os
 
 import pytest
 
+from radmpc.serving import folder
 from radmpc.serving.desk.calls import answer
 from radmpc.serving.desk.desk import Desk
 from radmpc.serving.desk.opening import Opened
@@ -40,3 +42,30 @@ def test_of_two_documents_saved_at_once_under_one_new_name_one_is_refused(desk):
     assert saved.state["file"] == "new.yaml"
     assert isinstance(failure, CallError)
     assert str(failure) == "new.yaml: it is there already"
+
+
+@pytest.mark.parametrize("name", ["pipe.yaml", "pipe.jsonl", "pipe.kml"])
+def test_a_named_pipe_is_not_listed_and_nobody_waits_for_it(desk, name):
+    place = desk.folder.root / name
+    os.mkfifo(place)
+    keeper = os.open(place, os.O_RDWR)
+    try:
+        # Enough for who reads it all the same: without this, that one would wait for a writer.
+        os.write(keeper, b"radmpc/scenario/1 radmpc/flight/1 " * 300)
+        assert desk.folder.files() == []
+    finally:
+        os.close(keeper)
+
+
+def test_a_file_that_is_gone_while_the_folder_is_listed_is_left_out(desk, monkeypatch):
+    for name in ("a.yaml", "b.yaml"):
+        (desk.folder.root / name).write_text("format: radmpc/scenario/1\n", encoding="utf-8")
+    kind_of = folder._kind
+
+    def look(place, *more):
+        found = kind_of(place, *more)
+        (desk.folder.root / "a.yaml").unlink(missing_ok=True)
+        return found
+
+    monkeypatch.setattr(folder, "_kind", look)
+    assert [entry["path"] for entry in asyncio.run(answer(desk, "files", {}))] == ["b.yaml"]
