@@ -69,3 +69,23 @@ def test_a_file_that_is_gone_while_the_folder_is_listed_is_left_out(desk, monkey
 
     monkeypatch.setattr(folder, "_kind", look)
     assert [entry["path"] for entry in asyncio.run(answer(desk, "files", {}))] == ["b.yaml"]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "reason"),
+    [
+        ("a.yaml", "name: \ud83d", "a.yaml: must be text that UTF-8 can encode"),
+        ("a.kml", "\ud83d", "a.kml: must be text that UTF-8 can encode"),
+        ("a.json", "[]", "a.json: must be a mapping with a format"),
+        ("a.yaml", "boats", "a.yaml: must be a mapping with a format"),
+        (
+            "a.yaml",
+            "format: radmpc/plan/9",
+            "a.yaml: format must be radmpc/scenario/1 or radmpc/plan/1",
+        ),
+    ],
+)
+def test_what_is_dropped_and_no_file_of_ours_is_refused_by_its_name(desk, name, content, reason):
+    with pytest.raises(CallError) as caught:
+        asyncio.run(answer(desk, "drop", {"name": name, "content": content}))
+    assert (caught.value.kind, str(caught.value)) == ("refused", reason)

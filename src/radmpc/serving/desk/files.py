@@ -115,7 +115,10 @@ async def dropped(desk: Desk, args: Args) -> object:
     into = None if args.get("into") is None else desk.document(given.text(args, "into"))
     with tempfile.TemporaryDirectory(prefix="radmpc-") as folder:
         place = Path(folder, f"dropped{PurePosixPath(name.lower()).suffix}")
-        await asyncio.to_thread(place.write_text, content, encoding="utf-8")
+        try:
+            await asyncio.to_thread(place.write_text, content, encoding="utf-8")
+        except UnicodeEncodeError:
+            raise refused(f"{name}: must be text that UTF-8 can encode") from None
         if into is None:
             return desk.state(await _added(desk, place, name, is_kept=False))
         return await _merged(desk, into, place, name)
