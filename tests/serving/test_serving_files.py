@@ -8,6 +8,7 @@ import os
 import pytest
 
 from radmpc.serving import folder
+from radmpc.serving.desk import files
 from radmpc.serving.desk.calls import answer
 from radmpc.serving.desk.desk import Desk
 from radmpc.serving.desk.opening import Opened
@@ -69,6 +70,28 @@ def test_a_file_that_is_gone_while_the_folder_is_listed_is_left_out(desk, monkey
 
     monkeypatch.setattr(folder, "_kind", look)
     assert [entry["path"] for entry in asyncio.run(answer(desk, "files", {}))] == ["b.yaml"]
+
+
+def test_a_change_of_a_file_while_it_is_opened_is_not_overwritten_in_silence(desk, monkeypatch):
+    place = desk.folder.root / "own.yaml"
+    place.write_text(templates.template("boats"), encoding="utf-8")
+    read = files.read_file
+
+    def read_and_change(path, name):
+        found = read(path, name)
+        path.write_text("theirs", encoding="utf-8")
+        return found
+
+    monkeypatch.setattr(files, "read_file", read_and_change)
+
+    async def open_and_save():
+        state = await answer(desk, "open", {"path": "own.yaml"})
+        args = {"document": state["document"], "path": "own.yaml", "overwrite": False}
+        await answer(desk, "save", args)
+
+    with pytest.raises(CallError, match="has changed since it was read"):
+        asyncio.run(open_and_save())
+    assert place.read_text(encoding="utf-8") == "theirs"
 
 
 @pytest.mark.parametrize(

@@ -130,6 +130,8 @@ async def _added(desk: Desk, place: Path, name: str, *, is_kept: bool = True) ->
         seconds = _IMPORT_SECONDS
         content = await desk.crew.run("import", str(place), name, seconds=seconds)
         return await desk.add(Opened(content), None)
+    # Before it is read: what is written meanwhile is then seen to be another.
+    digest = await asyncio.to_thread(desk.folder.digest, place)
     found = await asyncio.to_thread(read_file, place, name)
     if found.plan is not None and found.plan.trajectories:
         plan = await judged(desk, found.plan, name)
@@ -137,8 +139,7 @@ async def _added(desk: Desk, place: Path, name: str, *, is_kept: bool = True) ->
         ticks = None if plan is None else found.ticks
         found = Opened(found.content, found.origin, found.is_scenario, plan, ticks)
     document = await desk.add(found, name if is_kept else None)
-    if document.file is not None:
-        document.digest = await asyncio.to_thread(desk.folder.digest, place)
+    document.digest = digest if document.file is not None else None
     return document
 
 
