@@ -176,6 +176,9 @@ def settle_axes(ax: Axes, extent: Matrix, plane: Plane = ABOVE) -> None:
         ax.tick_params(pad=-2.0)
         ax.set_box_aspect(tuple(extent[1] - extent[0]), zoom=ZOOM)
         return
+    # Left of the axes, above the highest number: above the axes stand facts.
+    ax.yaxis.get_offset_text().set(x=-0.005, ha="right")
+    ax.yaxis.OFFSETTEXTPAD = 5
     ax.set_aspect("equal", adjustable="box")
     for spine in ax.spines.values():
         spine.set_linewidth(0.5)
