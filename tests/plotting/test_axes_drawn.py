@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 
 from radmpc.model.scenario import Scenario
@@ -44,3 +46,15 @@ def test_what_distances_have_in_common_is_no_larger_than_they() -> None:
     common, (tick, *_) = ax.yaxis.get_offset_text(), ax.get_yticklabels()
     assert common.get_text() == "1e7"
     assert common.get_fontsize() == tick.get_fontsize()
+
+
+@pytest.mark.parametrize("short", [0, 1])
+def test_numbers_beside_a_short_side_in_space_do_not_overlap(short: int) -> None:
+    goal = [60000.0, 60000.0, 10000.0]
+    goal[short] = 15000.0
+    ax = plot_plan(make_plan(lone([0.0, 0.0, 0.0], goal)))
+    ax.figure.draw_without_rendering()
+    ticks = (ax.xaxis, ax.yaxis)[short].get_major_ticks()
+    boxes = [tick.label1.get_window_extent() for tick in ticks if tick.label1.get_text()]
+    assert len(boxes) >= 2
+    assert not any(one.overlaps(two) for one, two in pairwise(boxes))
