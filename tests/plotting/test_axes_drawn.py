@@ -48,6 +48,13 @@ def test_what_distances_have_in_common_is_no_larger_than_they() -> None:
     assert common.get_fontsize() == tick.get_fontsize()
 
 
+def test_where_nothing_is_near_the_red_line_is_named_above_the_numbers() -> None:
+    ax = plot_distances(make_plan(lone([0.0, 0.0], [4.0, 0.0])))
+    ax.figure.draw_without_rendering()
+    [name] = [text for text in ax.texts if text.get_text() == "hulls touch"]
+    assert name.get_window_extent().y0 >= ax.bbox.y0
+
+
 @pytest.mark.parametrize("short", [0, 1])
 def test_numbers_beside_a_short_side_in_space_do_not_overlap(short: int) -> None:
     goal = [60000.0, 60000.0, 10000.0]
