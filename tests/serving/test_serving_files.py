@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+from types import SimpleNamespace
 
 import pytest
 
@@ -11,6 +12,7 @@ from radmpc.serving import folder
 from radmpc.serving.desk import files
 from radmpc.serving.desk.calls import answer
 from radmpc.serving.desk.desk import Desk
+from radmpc.serving.desk.flight import OpenFlight
 from radmpc.serving.desk.opening import Opened
 from radmpc.serving.documents import templates
 from radmpc.serving.failures import CallError
@@ -112,3 +114,22 @@ def test_what_is_dropped_and_no_file_of_ours_is_refused_by_its_name(desk, name, 
     with pytest.raises(CallError) as caught:
         asyncio.run(answer(desk, "drop", {"name": name, "content": content}))
     assert (caught.value.kind, str(caught.value)) == ("refused", reason)
+
+
+def test_a_flight_is_not_written_where_another_one_is_being_written(desk, monkeypatch):
+    monkeypatch.setattr(OpenFlight, "begin", lambda self, crew, args, **listeners: None)
+
+    async def fly_both(*options):
+        document = await desk.add(Opened(templates.empty()), None)
+        scenario = SimpleNamespace(horizon=3, risk_bound=0.05)
+        flown = SimpleNamespace(scenario=scenario, trajectories=(None,))
+        desk.plans["p1"] = SimpleNamespace(plan=flown, number="p1", document=document.number)
+        common = {"plan": "p1", "seed": 0, "pace": 0.0}
+        calls = (answer(desk, "fly", {**common, "options": given}) for given in options)
+        return await asyncio.gather(*calls, return_exceptions=True)
+
+    log = {"log": "own.jsonl", "overwrite": True}
+    first, second, third = asyncio.run(fly_both(log, log, {"log": "other.jsonl"}))
+    assert (first["state"], third["state"]) == ("running", "running")
+    assert isinstance(second, CallError)
+    assert str(second) == "own.jsonl: a flight that is under way is written there"

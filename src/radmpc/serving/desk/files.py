@@ -28,6 +28,7 @@ from radmpc.serving.protocol import Named
 
 __all__ = [
     "begun",
+    "check_log",
     "dropped",
     "exported",
     "exports",
@@ -274,3 +275,26 @@ def flight_options(desk: Desk, options: Mapping[str, Any]) -> dict[str, object]:
     if found.get("deadline") is not None:
         found["deadline"] = given.number(options, "deadline", 0.0, 60.0)
     return found
+
+
+def check_log(desk: Desk, how: Mapping[str, object]) -> None:
+    """Refuse a log that another flight is writing, or is about to: the later would replace it.
+
+    Parameters
+    ----------
+    desk : Desk
+        Whose flights.
+    how : mapping
+        As `flight_options` returns it.
+
+    Raises
+    ------
+    CallError
+        If there is such a flight.
+    """
+    log = how.get("log")
+    if log is None:
+        return
+    if any(flight.log == log and not flight.is_over for flight in desk.flights.values()):
+        name = desk.folder.name_of(Path(str(log)))
+        raise refused(f"{name}: a flight that is under way is written there")
