@@ -242,3 +242,12 @@ def test_dropped_obstacles_that_are_none_are_refused_and_nothing_changes(site, h
     with pytest.raises(CallFailedError, match=r"o\.yaml: obstacles must be a list of mappings"):
         page.call("drop", name="o.yaml", content=content, into=state["document"])
     assert page.call("state", document=state["document"])["revision"] == state["revision"]
+
+
+def test_saving_keeps_the_ends_of_lines_that_a_file_has():
+    text = HARBOR.replace("\n", "\r\n")
+    content, _ = read_yaml(text, "harbor")
+    after = changed(content, [{"path": ["risk_bound"], "value": 0.031}])
+    saved = text_of(after, ".yaml", Original(text))
+    assert read_yaml(saved, "harbor")[0] == after
+    assert saved.count("\n") == saved.count("\r\n") == text.count("\r\n")

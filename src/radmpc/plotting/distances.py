@@ -133,6 +133,7 @@ def _settle_view(ax: Axes, plan: Plan, bands: list[tuple[np.ndarray, np.ndarray]
     """Show where it is close; what is far away leaves at the top."""
     ax.set_xlim(0.0, plan.scenario.dt * plan.scenario.horizon)
     if not bands:
+        ax.set_ylim(-0.25, 1.0)  # room for the name of the red line
         return
     low = min(float((distance - _SIGMAS * sigma).min()) for distance, sigma in bands)
     widest = max(float(sigma.max()) for _, sigma in bands)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from collections.abc import Iterator
 from hashlib import sha256
@@ -42,10 +43,16 @@ class Folder:
     ----------
     root : Path
         There is one.
+
+    Attributes
+    ----------
+    lock : asyncio.Lock
+        Held from `writable` to the end of `write`: else two pages that name the same new file at
+        once would both find it free.
     """
 
     def __init__(self, root: Path) -> None:
-        self.root = root.resolve()
+        self.root, self.lock = root.resolve(), asyncio.Lock()
 
     def readable(self, path: object, *suffixes: str) -> Path:
         """Return the file at a path that the page names.
@@ -128,8 +135,8 @@ class Folder:
         found: list[FileEntry] = []
         for place in self._places():
             kind = _kind(place)
-            if kind is not None and len(found) < _MOST_FILES:
-                size = place.stat().st_size
+            size = _size(place)
+            if kind is not None and size is not None and len(found) < _MOST_FILES:
                 found.append({"path": self.name_of(place), "kind": kind, "bytes": size})
         return sorted(found, key=lambda entry: entry["path"])
 
@@ -168,9 +175,9 @@ class Folder:
                     continue
                 if not place.name.isprintable():  # nor could it be opened by that name
                     continue
-                if not place.is_dir():
+                if place.is_file():  # a pipe would be waited for
                     yield place
-                elif depth < _DEEPEST:
+                elif place.is_dir() and depth < _DEEPEST:
                     folders.append((place, depth + 1))
 
 
@@ -180,6 +187,14 @@ def _entries(folder: Path) -> list[Path]:
         return sorted(folder.iterdir())
     except OSError:
         return []
+
+
+def _size(place: Path) -> int | None:
+    """Return a file's size [bytes], None where it is gone by now."""
+    try:
+        return place.stat().st_size
+    except OSError:
+        return None
 
 
 def _kind(place: Path) -> FileKind | None:

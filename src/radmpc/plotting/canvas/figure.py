@@ -171,11 +171,18 @@ def settle_axes(ax: Axes, extent: Matrix, plane: Plane = ABOVE) -> None:
     if isinstance(ax, Axes3D):
         ax.set_zlim(*extent[:, 2])
         sides = extent[1] - extent[0]
-        ax.zaxis.set_major_locator(MaxNLocator(int(np.clip(9.0 * sides[2] / sides.max(), 2, 9))))
+        # Short sides have room for few numbers.
+        x, y, z = np.clip([14.0, 14.0, 9.0] * sides / sides.max(), 2, 9).astype(int).tolist()
+        ax.xaxis.set_major_locator(MaxNLocator(x, steps=[1, 2, 2.5, 5, 10]))
+        ax.yaxis.set_major_locator(MaxNLocator(y, steps=[1, 2, 2.5, 5, 10]))
+        ax.zaxis.set_major_locator(MaxNLocator(z))
         ax.set_zlabel("z [m]", fontsize=LABEL_SIZE, labelpad=-8.0)
         ax.tick_params(pad=-2.0)
         ax.set_box_aspect(tuple(extent[1] - extent[0]), zoom=ZOOM)
         return
+    # Left of the axes, above the highest number: above the axes stand facts.
+    ax.yaxis.get_offset_text().set(x=-0.005, ha="right")
+    ax.yaxis.OFFSETTEXTPAD = 5
     ax.set_aspect("equal", adjustable="box")
     for spine in ax.spines.values():
         spine.set_linewidth(0.5)

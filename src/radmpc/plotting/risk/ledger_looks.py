@@ -61,6 +61,9 @@ def settle_part(ax: Axes, heading: str, xlabel: str) -> Text:
     with numbers_of(ax):
         ax.tick_params(axis="x", labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
     ax.tick_params(axis="y", labelsize=TICK_SIZE, length=0.0, width=0.5, pad=1.5)
+    for axis in (ax.xaxis, ax.yaxis):
+        # What large numbers have in common, matplotlib writes large.
+        axis.get_offset_text().set_fontsize(TICK_SIZE)
     for side, spine in ax.spines.items():
         spine.set_linewidth(0.5)
         spine.set_visible(side in {"left", "bottom"})

@@ -200,7 +200,10 @@ async def _fly(desk: Desk, args: Args) -> object:
         raise refused(f"options must be among {', '.join(sorted(known))}")
     how = files.flight_options(desk, options)
     await asyncio.to_thread(check_flight, how)
-    return desk.begin_flight(kept, (seed, pace, how)).state
+    files.check_log(desk, how)
+    flight = desk.begin_flight(kept, (seed, pace, how))
+    flight.log = how.get("log")
+    return flight.state
 
 
 async def _stop_flight(desk: Desk, args: Args) -> object:

@@ -28,6 +28,7 @@ from radmpc.serving.protocol import Named
 
 __all__ = [
     "begun",
+    "check_log",
     "dropped",
     "exported",
     "exports",
@@ -115,7 +116,10 @@ async def dropped(desk: Desk, args: Args) -> object:
     into = None if args.get("into") is None else desk.document(given.text(args, "into"))
     with tempfile.TemporaryDirectory(prefix="radmpc-") as folder:
         place = Path(folder, f"dropped{PurePosixPath(name.lower()).suffix}")
-        await asyncio.to_thread(place.write_text, content, encoding="utf-8")
+        try:
+            await asyncio.to_thread(place.write_text, content, encoding="utf-8")
+        except UnicodeEncodeError:
+            raise refused(f"{name}: must be text that UTF-8 can encode") from None
         if into is None:
             return desk.state(await _added(desk, place, name, is_kept=False))
         return await _merged(desk, into, place, name)
@@ -127,6 +131,8 @@ async def _added(desk: Desk, place: Path, name: str, *, is_kept: bool = True) ->
         seconds = _IMPORT_SECONDS
         content = await desk.crew.run("import", str(place), name, seconds=seconds)
         return await desk.add(Opened(content), None)
+    # Before it is read: what is written meanwhile is then seen to be another.
+    digest = await asyncio.to_thread(desk.folder.digest, place)
     found = await asyncio.to_thread(read_file, place, name)
     if found.plan is not None and found.plan.trajectories:
         plan = await judged(desk, found.plan, name)
@@ -134,8 +140,7 @@ async def _added(desk: Desk, place: Path, name: str, *, is_kept: bool = True) ->
         ticks = None if plan is None else found.ticks
         found = Opened(found.content, found.origin, found.is_scenario, plan, ticks)
     document = await desk.add(found, name if is_kept else None)
-    if document.file is not None:
-        document.digest = await asyncio.to_thread(desk.folder.digest, place)
+    document.digest = digest if document.file is not None else None
     return document
 
 
@@ -168,29 +173,40 @@ async def saved(desk: Desk, args: Args) -> object:
     """Write a document to a file of the folder, with the comments that it was read with."""
     document = desk.document(given.text(args, "document"))
     path = given.text(args, "path")
-    overwrite, is_its_own = given.flag(args, "overwrite"), document.file == path
-    place = desk.folder.writable(path, *SCENARIOS, overwrite=overwrite or is_its_own)
-    if not overwrite and place.exists() and desk.folder.digest(place) != document.digest:
-        raise refused(f"{path}: it is there already, and has changed since it was read")
+    overwrite = given.flag(args, "overwrite")
+    place = _place_of(desk, document, path, overwrite=overwrite)
     async with document.lock:
         content = document.content
         suffix = place.suffix.lower()
         text = await asyncio.to_thread(text_of, content, suffix, document.origin)
-        await asyncio.to_thread(desk.folder.write, place, text)
+        async with desk.folder.lock:
+            place = _place_of(desk, document, path, overwrite=overwrite)
+            await asyncio.to_thread(desk.folder.write, place, text)
+            document.digest = desk.folder.digest(place)
         document.saved_as(desk.folder.name_of(place), content)
-        document.digest = desk.folder.digest(place)
         if suffix != ".json":
             document.origin = Original(text)
     return Changed(desk.state(document))
 
 
+def _place_of(desk: Desk, document: Document, path: str, *, overwrite: bool) -> Path:
+    """Return where a document may be written: over its own file, if nobody else has changed it."""
+    is_its_own = document.file == path
+    place = desk.folder.writable(path, *SCENARIOS, overwrite=overwrite or is_its_own)
+    if not overwrite and place.exists() and desk.folder.digest(place) != document.digest:
+        raise refused(f"{path}: it is there already, and has changed since it was read")
+    return place
+
+
 async def plan_saved(desk: Desk, args: Args) -> object:
     """Write a plan to a file of the folder."""
     kept = desk.plan(given.text(args, "plan"))
-    overwrite = given.flag(args, "overwrite")
-    place = desk.folder.writable(given.text(args, "path"), ".json", overwrite=overwrite)
+    path, overwrite = given.text(args, "path"), given.flag(args, "overwrite")
+    desk.folder.writable(path, ".json", overwrite=overwrite)
     text = await asyncio.to_thread(_plan_text, kept.plan)
-    await asyncio.to_thread(desk.folder.write, place, text)
+    async with desk.folder.lock:
+        place = desk.folder.writable(path, ".json", overwrite=overwrite)
+        await asyncio.to_thread(desk.folder.write, place, text)
     return None
 
 
@@ -259,3 +275,26 @@ def flight_options(desk: Desk, options: Mapping[str, Any]) -> dict[str, object]:
     if found.get("deadline") is not None:
         found["deadline"] = given.number(options, "deadline", 0.0, 60.0)
     return found
+
+
+def check_log(desk: Desk, how: Mapping[str, object]) -> None:
+    """Refuse a log that another flight is writing, or is about to: the later would replace it.
+
+    Parameters
+    ----------
+    desk : Desk
+        Whose flights.
+    how : mapping
+        As `flight_options` returns it.
+
+    Raises
+    ------
+    CallError
+        If there is such a flight.
+    """
+    log = how.get("log")
+    if log is None:
+        return
+    if any(flight.log == log and not flight.is_over for flight in desk.flights.values()):
+        name = desk.folder.name_of(Path(str(log)))
+        raise refused(f"{name}: a flight that is under way is written there")

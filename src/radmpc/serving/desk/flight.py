@@ -34,6 +34,11 @@ class OpenFlight:
         What is known of it already.
     note : str or None
         How it ended; None where it is yet to begin.
+
+    Attributes
+    ----------
+    log : object
+        The place of the file that it writes, None if it writes none.
     """
 
     def __init__(
@@ -50,6 +55,7 @@ class OpenFlight:
         self.number, self.document, self.plan = number, document, plan
         self.steps, self.risk_bound = steps, risk_bound
         self.ticks: list[TickView] = list(ticks)
+        self.log: object = None
         self._note, self._is_over, self._has_failed = note, note is not None, False
         self._worker: Worker | None = None
         self._is_stopped = False

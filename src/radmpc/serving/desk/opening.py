@@ -15,7 +15,7 @@ from radmpc.io.text.document import read_document
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass, field
 from radmpc.serving.documents.text import Original
-from radmpc.serving.failures import CallError, refused
+from radmpc.serving.failures import refused
 from radmpc.serving.folder import CHARTS, FLIGHTS
 from radmpc.serving.protocol import Content, TickView
 
@@ -80,7 +80,7 @@ def read_file(path: Path, name: str) -> Opened:
         # A flight is one by its first line, as for the commands: plans end in .json, too.
         if path.suffix.lower() in FLIGHTS or is_flight(path):
             return _flight(path)
-        return _document(path)
+        return _document(path, name)
     except (FileFormatError, ScenarioError) as error:
         raise refused(_without_place(str(error), path, name)) from error
     except OSError as error:
@@ -92,12 +92,12 @@ def _without_place(text: str, path: Path, name: str) -> str:
     return text.replace(os.fspath(path), name)
 
 
-def _document(path: Path) -> Opened:
+def _document(path: Path, name: str) -> Opened:
     """Return a scenario or a plan."""
     document = read_document(path)
     value = document.value
     if not isinstance(value, dict):
-        raise refused("must be a mapping with a format")
+        raise refused(f"{name}: must be a mapping with a format")
     kind = value.get("format")
     if kind == PLAN_FORMAT:
         try:
@@ -106,7 +106,7 @@ def _document(path: Path) -> Opened:
             raise document.failure(error) from error
         return Opened(encode_scenario(plan.scenario), plan=plan)
     if kind != SCENARIO_FORMAT:
-        raise CallError("refused", f"format must be {SCENARIO_FORMAT} or {PLAN_FORMAT}", ["format"])
+        raise refused(f"{name}: format must be {SCENARIO_FORMAT} or {PLAN_FORMAT}", ["format"])
     try:
         # What no page can be told cannot be put right there, either.
         value = plain_mapping(value, ())

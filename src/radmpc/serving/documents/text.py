@@ -66,6 +66,9 @@ def _merged(text: str, content: Content) -> str | None:
     yaml = YAML(typ="rt")
     yaml.preserve_quotes = True
     yaml.width = _WIDE
+    # Comments would keep the ends of their lines, all else would get others.
+    ends = "\r\n" if "\r\n" in text else "\n"
+    text = text.replace("\r\n", "\n")
     try:
         _, mapping, offset = load_yaml_guess_indent(text)
         if mapping is not None:
@@ -75,7 +78,7 @@ def _merged(text: str, content: Content) -> str | None:
         _sync_mapping(tree, dict(content), set())
         out = StringIO()
         yaml.dump(tree, out)
-        merged = out.getvalue()
+        merged = out.getvalue().replace("\n", ends)
         value, _ = read_yaml(merged, "document")
     except (YAMLError, FileFormatError, AttributeError, TypeError, ValueError):
         return None
