@@ -129,6 +129,49 @@ def test_mappings_of_frozen_values_are_copies_that_do_not_change(plan: radmpc.Pl
             getattr(source, word)()
 
 
+LIST_CHANGES: dict[str, Callable[[list[object]], object]] = {
+    "set": lambda given: given.__setitem__(0, 9),
+    "delete": lambda given: given.__delitem__(0),
+    "add": lambda given: given.__iadd__([9]),
+    "multiply": lambda given: given.__imul__(2),
+    "append": lambda given: given.append(9),
+    "extend": lambda given: given.extend([9]),
+    "insert": lambda given: given.insert(0, 9),
+    "pop": lambda given: given.pop(),
+    "remove": lambda given: given.remove(1),
+    "clear": lambda given: given.clear(),
+    "sort": lambda given: given.sort(),
+    "reverse": lambda given: given.reverse(),
+}
+
+
+@pytest.mark.parametrize("change", LIST_CHANGES.values(), ids=LIST_CHANGES)
+def test_lists_within_a_frozen_mapping_do_not_change(
+    change: Callable[[list[object]], object],
+) -> None:
+    source = replace(SCENE, source={"list": [1, 2, [3]]}).source
+    assert source is not None
+    for same in (source, copy.deepcopy(source), pickle.loads(pickle.dumps(source))):
+        found = same["list"]
+        assert isinstance(found, list)
+        with pytest.raises(TypeError, match="belongs to a frozen value"):
+            change(found)
+        with pytest.raises(TypeError, match="belongs to a frozen value"):
+            found[2].append(4)
+        assert source == same == {"list": [1, 2, [3]]}
+        assert json.loads(json.dumps(same)) == same
+
+
+def test_an_array_within_a_frozen_mapping_is_what_a_file_makes_of_it() -> None:
+    given = np.array([[1.0, 2.0]])
+    scene = replace(SCENE, source={"corner": given, "height": np.float64(3.0)})
+    given[:] = 7.0
+    assert scene.source == {"corner": [[1.0, 2.0]], "height": 3.0}
+    back = radmpc.from_dict(radmpc.to_dict(scene))
+    assert isinstance(back, radmpc.Scenario)
+    assert back.source == scene.source
+
+
 def test_a_belief_of_another_kind_is_refused() -> None:
     with pytest.raises(radmpc.ScenarioError, match=r"^belief: must be a Belief, got 3$"):
         replace(BOAT, belief=3)  # type: ignore[arg-type] # what a caller may try
