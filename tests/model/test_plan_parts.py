@@ -220,4 +220,10 @@ def test_steps_that_a_moving_obstacle_does_not_have_are_refused() -> None:
     for step in (-1, 5):
         with pytest.raises(radmpc.ArgumentError, match=f"step must be from 0 to 4, got {step}$"):
             laid_out.at(step)
+    for odd, told in ((1.5, "1.5"), ("1", "'1'"), (None, "None"), (True, "True"), ([1], r"\[1\]")):
+        with pytest.raises(
+            radmpc.ArgumentTypeError, match=f"^step must be an integer from 0 to 4, got {told}$"
+        ):
+            laid_out.at(odd)  # type: ignore[arg-type] # what a caller may try
+    assert laid_out.at(np.int64(3))  # type: ignore[arg-type] # numpy's
     assert Obstacle.box("o", [0, 0], [1, 1]).at(99)
