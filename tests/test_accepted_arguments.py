@@ -42,6 +42,11 @@ def test_whatever_submits_is_an_executor() -> None:
         assert radmpc.plan(SCENE, "distance", executor=pool).is_certified
 
 
+def test_a_class_of_executors_is_no_executor() -> None:
+    with pytest.raises(radmpc.ArgumentTypeError, match=r"None, got the class ThreadPoolExecutor$"):
+        radmpc.plan(SCENE, executor=ThreadPoolExecutor)  # type: ignore[arg-type] # a slip
+
+
 @pytest.mark.parametrize(
     ("value", "text"),
     [

@@ -95,7 +95,8 @@ def check_callable(value: object, name: str) -> None:
 
 def check_executor(executor: object) -> None:
     """Refuse what takes no tasks, with an `ArgumentTypeError`: None does not matter."""
-    if executor is not None and not callable(getattr(executor, "submit", None)):
+    takes = callable(getattr(executor, "submit", None)) and not isinstance(executor, type)
+    if executor is not None and not takes:
         allowed = "a concurrent.futures.Executor or None"
         raise ArgumentTypeError(f"executor must be {allowed}, got {value_text(executor)}")
 
