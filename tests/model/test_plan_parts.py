@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import radmpc
-from radmpc.model.dynamics import rollout
+from radmpc.model.dynamics import covariances, rollout
 from radmpc.model.obstacle import Obstacle
 
 SYSTEM = radmpc.double_integrator(1.0, 2)
@@ -209,6 +209,28 @@ def test_a_drift_of_every_step_is_that_of_each() -> None:
     each = rollout(SYSTEM, np.zeros(4), np.zeros((3, 2)), np.tile([1.0, 0, 0, 0], (3, 1)))
     assert same.tolist() == each.tolist()
     assert same[-1].tolist() == [3, 0, 0, 0]
+
+
+def test_covariances_over_time_take_a_number_or_a_diagonal_as_vehicles_do() -> None:
+    exact = covariances(SYSTEM, 0.25 * np.eye(4), np.diag([1.0, 2.0, 3.0, 4.0]), None, 3)
+    assert covariances(SYSTEM, 0.25, [1, 2, 3, 4], None, 3).tolist() == exact.tolist()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ((None, 0.1, 0.1, None, 3), "^system must be a LinearSystem, got None$"),
+        ((SYSTEM, [1, 2], 0.1, None, 3), "^initial: must have 4 numbers, got 2$"),
+        ((SYSTEM, 0.1, -1, None, 3), "^disturbance: must be positive semi-definite"),
+        ((SYSTEM, 0.1, 0.1, np.eye(4), 3), r"^gain: must have shape \(2, 4\), got \(4, 4\)$"),
+        ((SYSTEM, 0.1, 0.1, None, 2.5), "^horizon must be an integer >= 0, got 2.5$"),
+    ],
+)
+def test_covariances_over_time_are_refused_what_they_do_not_follow_from(
+    arguments: tuple[object, ...], told: str
+) -> None:
+    with pytest.raises(radmpc.RadmpcError, match=told):
+        covariances(*arguments)  # type: ignore[arg-type] # what a caller may try
 
 
 def test_steps_that_a_moving_obstacle_does_not_have_are_refused() -> None:
