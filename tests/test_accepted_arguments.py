@@ -42,6 +42,18 @@ def test_whatever_submits_is_an_executor() -> None:
         assert radmpc.plan(SCENE, "distance", executor=pool).is_certified
 
 
+def test_a_class_of_executors_is_no_executor() -> None:
+    with pytest.raises(radmpc.ArgumentTypeError, match=r"None, got the class ThreadPoolExecutor$"):
+        radmpc.plan(SCENE, executor=ThreadPoolExecutor)  # type: ignore[arg-type] # a slip
+
+
+def test_a_number_of_three_hundred_digits_is_not_written_out() -> None:
+    with pytest.raises(radmpc.ArgumentTypeError, match=r"got 10000\.0: write 10000$"):
+        radmpc.simulate(PLAN, 1e4)  # type: ignore[arg-type] # a slip
+    with pytest.raises(radmpc.ArgumentTypeError, match=r"must be an integer >= 1, got 1e\+308$"):
+        radmpc.simulate(PLAN, 1e308)  # type: ignore[arg-type] # a slip
+
+
 @pytest.mark.parametrize(
     ("value", "text"),
     [

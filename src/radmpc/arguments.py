@@ -95,7 +95,8 @@ def check_callable(value: object, name: str) -> None:
 
 def check_executor(executor: object) -> None:
     """Refuse what takes no tasks, with an `ArgumentTypeError`: None does not matter."""
-    if executor is not None and not callable(getattr(executor, "submit", None)):
+    takes = callable(getattr(executor, "submit", None)) and not isinstance(executor, type)
+    if executor is not None and not takes:
         allowed = "a concurrent.futures.Executor or None"
         raise ArgumentTypeError(f"executor must be {allowed}, got {value_text(executor)}")
 
@@ -128,9 +129,8 @@ def check_integer(value: object, name: str, least: int, most: float = math.inf) 
     """
     allowed = f"an integer {f'>= {least}' if most == math.inf else f'from {least} to {most}'}"
     if not is_integer(value):
-        # 1e4 samples are a common slip: say how to write them.
-        hint = ""
-        if is_number(value) and float(value).is_integer():
+        hint = ""  # 1e4 samples are a common slip: say how to write them, unless in 300 digits
+        if is_number(value) and float(value).is_integer() and abs(value) < 1e16:
             hint = f": write {int(value)}"
         raise ArgumentTypeError(f"{name} must be {allowed}, got {value_text(value)}{hint}")
     number = int(value)

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import dataclasses
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, field, fields, replace
 from operator import attrgetter
 from reprlib import recursive_repr
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
-__all__ = ["FrozenDict", "Kept", "asdict", "dataclass", "field", "fields", "replace"]
+__all__ = ["FrozenDict", "FrozenList", "Kept", "asdict", "dataclass", "field", "fields", "replace"]
 
 _Methods = Mapping[str, object]
 
@@ -92,6 +92,12 @@ class Kept:
         return found
 
 
+def _refuse(_self: object, *_: Any, **__: Any) -> NoReturn:
+    """Refuse to change what belongs to a frozen value."""
+    kind, copy = ("list", "list") if isinstance(_self, list) else ("mapping", "dict")
+    raise TypeError(f"this {kind} belongs to a frozen value: make a {copy} of it to change it")
+
+
 class FrozenDict(dict[str, Any]):
     """A mapping of a frozen value: a deep, read-only copy of the caller's.
 
@@ -107,19 +113,40 @@ class FrozenDict(dict[str, Any]):
         """Return what makes an equal one."""
         return FrozenDict, (dict(self),)
 
-    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
-        """Refuse to be changed."""
-        raise TypeError("this mapping belongs to a frozen value: make a dict of it to change it")
-
     __setitem__ = __delitem__ = __ior__ = _refuse
     clear = pop = popitem = setdefault = update = _refuse
 
 
+class FrozenList(list[Any]):
+    """A list within a `FrozenDict`, copied and read-only as that is.
+
+    A list, for the same reason.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, given: Iterable[Any]) -> None:
+        super().__init__(map(_copied, given))
+
+    def __reduce__(self) -> tuple[type[FrozenList], tuple[list[Any]]]:
+        """Return what makes an equal one."""
+        return FrozenList, (list(self),)
+
+    __setitem__ = __delitem__ = __iadd__ = __imul__ = _refuse
+    append = extend = insert = pop = remove = clear = sort = reverse = _refuse
+
+
 def _copied(value: Any) -> Any:
-    """Return a copy of what dicts, lists and tuples hold, the dicts frozen."""
+    """Return a copy of what dicts, lists and tuples hold, frozen; numpy's values as Python's."""
     if isinstance(value, Mapping):
         return FrozenDict(value)
-    return type(value)(map(_copied, value)) if type(value) in {list, tuple} else value
+    # Not imported: where nobody has, there are none of its values.
+    numpy = sys.modules.get("numpy")
+    if numpy is not None and isinstance(value, (numpy.ndarray, numpy.generic)):
+        value = value.tolist()
+    if type(value) is tuple:
+        return tuple(map(_copied, value))
+    return FrozenList(value) if type(value) in {list, FrozenList} else value
 
 
 class _LateInit:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import radmpc
-from radmpc.model.dynamics import rollout
+from radmpc.model.dynamics import covariances, rollout
 from radmpc.model.obstacle import Obstacle
 
 SYSTEM = radmpc.double_integrator(1.0, 2)
@@ -129,6 +129,49 @@ def test_mappings_of_frozen_values_are_copies_that_do_not_change(plan: radmpc.Pl
             getattr(source, word)()
 
 
+LIST_CHANGES: dict[str, Callable[[list[object]], object]] = {
+    "set": lambda given: given.__setitem__(0, 9),
+    "delete": lambda given: given.__delitem__(0),
+    "add": lambda given: given.__iadd__([9]),
+    "multiply": lambda given: given.__imul__(2),
+    "append": lambda given: given.append(9),
+    "extend": lambda given: given.extend([9]),
+    "insert": lambda given: given.insert(0, 9),
+    "pop": lambda given: given.pop(),
+    "remove": lambda given: given.remove(1),
+    "clear": lambda given: given.clear(),
+    "sort": lambda given: given.sort(),
+    "reverse": lambda given: given.reverse(),
+}
+
+
+@pytest.mark.parametrize("change", LIST_CHANGES.values(), ids=LIST_CHANGES)
+def test_lists_within_a_frozen_mapping_do_not_change(
+    change: Callable[[list[object]], object],
+) -> None:
+    source = replace(SCENE, source={"list": [1, 2, [3]]}).source
+    assert source is not None
+    for same in (source, copy.deepcopy(source), pickle.loads(pickle.dumps(source))):
+        found = same["list"]
+        assert isinstance(found, list)
+        with pytest.raises(TypeError, match="belongs to a frozen value"):
+            change(found)
+        with pytest.raises(TypeError, match="belongs to a frozen value"):
+            found[2].append(4)
+        assert source == same == {"list": [1, 2, [3]]}
+        assert json.loads(json.dumps(same)) == same
+
+
+def test_an_array_within_a_frozen_mapping_is_what_a_file_makes_of_it() -> None:
+    given = np.array([[1.0, 2.0]])
+    scene = replace(SCENE, source={"corner": given, "height": np.float64(3.0)})
+    given[:] = 7.0
+    assert scene.source == {"corner": [[1.0, 2.0]], "height": 3.0}
+    back = radmpc.from_dict(radmpc.to_dict(scene))
+    assert isinstance(back, radmpc.Scenario)
+    assert back.source == scene.source
+
+
 def test_a_belief_of_another_kind_is_refused() -> None:
     with pytest.raises(radmpc.ScenarioError, match=r"^belief: must be a Belief, got 3$"):
         replace(BOAT, belief=3)  # type: ignore[arg-type] # what a caller may try
@@ -168,6 +211,28 @@ def test_a_drift_of_every_step_is_that_of_each() -> None:
     assert same[-1].tolist() == [3, 0, 0, 0]
 
 
+def test_covariances_over_time_take_a_number_or_a_diagonal_as_vehicles_do() -> None:
+    exact = covariances(SYSTEM, 0.25 * np.eye(4), np.diag([1.0, 2.0, 3.0, 4.0]), None, 3)
+    assert covariances(SYSTEM, 0.25, [1, 2, 3, 4], None, 3).tolist() == exact.tolist()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ((None, 0.1, 0.1, None, 3), "^system must be a LinearSystem, got None$"),
+        ((SYSTEM, [1, 2], 0.1, None, 3), "^initial: must have 4 numbers, got 2$"),
+        ((SYSTEM, 0.1, -1, None, 3), "^disturbance: must be positive semi-definite"),
+        ((SYSTEM, 0.1, 0.1, np.eye(4), 3), r"^gain: must have shape \(2, 4\), got \(4, 4\)$"),
+        ((SYSTEM, 0.1, 0.1, None, 2.5), "^horizon must be an integer >= 0, got 2.5$"),
+    ],
+)
+def test_covariances_over_time_are_refused_what_they_do_not_follow_from(
+    arguments: tuple[object, ...], told: str
+) -> None:
+    with pytest.raises(radmpc.RadmpcError, match=told):
+        covariances(*arguments)  # type: ignore[arg-type] # what a caller may try
+
+
 def test_steps_that_a_moving_obstacle_does_not_have_are_refused() -> None:
     track = Obstacle.tracked("o", [[0, 0]], [0, 0, 1, 0])
     assert len(track.at(0)) == 1
@@ -177,4 +242,10 @@ def test_steps_that_a_moving_obstacle_does_not_have_are_refused() -> None:
     for step in (-1, 5):
         with pytest.raises(radmpc.ArgumentError, match=f"step must be from 0 to 4, got {step}$"):
             laid_out.at(step)
+    for odd, told in ((1.5, "1.5"), ("1", "'1'"), (None, "None"), (True, "True"), ([1], r"\[1\]")):
+        with pytest.raises(
+            radmpc.ArgumentTypeError, match=f"^step must be an integer from 0 to 4, got {told}$"
+        ):
+            laid_out.at(odd)  # type: ignore[arg-type] # what a caller may try
+    assert laid_out.at(np.int64(3))  # type: ignore[arg-type] # numpy's
     assert Obstacle.box("o", [0, 0], [1, 1]).at(99)

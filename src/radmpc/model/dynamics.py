@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import check_kind, field_integer, field_parts, value_text
+from radmpc.arguments import check_integer, check_kind, field_integer, field_parts, value_text
 from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_array, as_matrix, as_vector
 from radmpc.errors import ScenarioError
-from radmpc.model.integrator import integrator_rates
+from radmpc.model.integrator import closed_loop, integrator_rates
 from radmpc.model.numbers import positive_definite
 from radmpc.ranges import LARGEST, check_range, sized
 from radmpc.records import dataclass, field
@@ -232,10 +232,8 @@ def rollout(
     ----------
     system : LinearSystem
         The dynamics.
-    start : (n,) array
-        Mean state at k = 0.
-    controls : (T, m) array
-        Nominal controls.
+    start, controls : (n,) and (T, m) array
+        Mean state at k = 0, and nominal controls.
     drift : (n,) or (T, n) array or None
         Drift c, added to the state at every step, the same or step by step; None is none.
 
@@ -276,10 +274,9 @@ def covariances(
     ----------
     system : LinearSystem
         The dynamics.
-    initial : (n, n) array
-        Covariance at k = 0.
-    disturbance : (n, n) array
-        Covariance W added at every step (paper, Eq. 4).
+    initial, disturbance : (n, n) array
+        Covariance at k = 0, and W, added at every step (paper, Eq. 4); one number or a diagonal is
+        taken as well.
     gain : (m, n) array or None
         Feedback K; None is open loop.
     horizon : int
@@ -290,10 +287,12 @@ def covariances(
     (T+1, n, n) array
         ``Σ⁺ = F Σ Fᵀ + W`` with ``F = A + B K``.
     """
-    F = system.A if gain is None else system.A + system.B @ np.asarray(gain)
-    result = np.empty((horizon + 1, system.num_states, system.num_states))
-    result[0] = initial
+    check_kind(system, LinearSystem, "system", "a LinearSystem")
+    horizon = check_integer(horizon, "horizon", 0)
+    first, added, F = closed_loop(system.A, system.B, initial, disturbance, gain)
+    result = np.empty((horizon + 1, *first.shape))
+    result[0] = first
     for k in range(horizon):
-        propagated = F @ result[k] @ F.T + disturbance
+        propagated = F @ result[k] @ F.T + added
         result[k + 1] = 0.5 * (propagated + propagated.T)
     return result

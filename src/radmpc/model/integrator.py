@@ -1,12 +1,13 @@
-"""Which linear systems are double integrators."""
+"""Which linear systems are double integrators; closed loops of any from what users write."""
 
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, as_covariance, as_matrix
 
-__all__ = ["integrator_rates"]
+__all__ = ["closed_loop", "integrator_rates"]
 
 _SAME = 1e-9
 """Relative difference below which two matrix entries are one: what files lose to rounding."""
@@ -48,3 +49,34 @@ def integrator_rates(
     if not is_same or not np.allclose(B[place], half, rtol=_SAME, atol=_SAME * np.abs(half).max()):
         return None
     return tuple(velocity), step
+
+
+def closed_loop(
+    A: Matrix,
+    B: Matrix,
+    initial: npt.ArrayLike,
+    disturbance: npt.ArrayLike,
+    gain: npt.ArrayLike | None,
+) -> tuple[Matrix, Matrix, Matrix]:
+    """Return both covariances as matrices, and what a step makes of a deviation, ``A + B K``.
+
+    Parameters
+    ----------
+    A, B : (n, n) and (n, m) array
+        The dynamics.
+    initial, disturbance : (n, n) array_like
+        Covariance at k = 0, and of the disturbance; one number or a diagonal is taken as well.
+    gain : (m, n) array_like or None
+        Feedback K; None is open loop.
+
+    Raises
+    ------
+    ScenarioError
+        If one is no covariance, or does not fit the dynamics.
+    """
+    n, m = B.shape
+    first = as_covariance(initial, n, ("initial",), np.inf)
+    added = as_covariance(disturbance, n, ("disturbance",), np.inf)
+    if gain is None:
+        return first, added, A
+    return first, added, A + B @ as_matrix(gain, (m, n), ("gain",))

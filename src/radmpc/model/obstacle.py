@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 from radmpc.arguments import field_parts, field_text
 from radmpc.arrays import Frozen
-from radmpc.errors import ArgumentError
 from radmpc.geometry import Polytope, box, halfspaces, hull
 from radmpc.model.obstacle_shapes import (
     BoxShape,
@@ -27,7 +26,7 @@ from radmpc.model.obstacle_shapes import (
     pieces_of,
     points_of,
 )
-from radmpc.model.obstacle_track import TrackShape, TrackSpread
+from radmpc.model.obstacle_track import TrackShape, TrackSpread, check_step
 from radmpc.records import dataclass, replace
 
 __all__ = [
@@ -104,11 +103,11 @@ class Obstacle(Frozen):
         ArgumentError
             If it moves and has no such step: one on a track has 0 alone before its scenario.
         """
-        if self.is_moving and not 0 <= step < len(self.steps):
-            is_early = self.dt is None and isinstance(self.shape, TrackShape)
-            hint = ": its scenario lays out the others" if is_early else ""
-            raise ArgumentError(f"step must be from 0 to {len(self.steps) - 1}, got {step}{hint}")
-        return self.steps[step] if self.is_moving else self.steps[0]
+        if not self.is_moving:
+            return self.steps[0]
+        is_early = self.dt is None and isinstance(self.shape, TrackShape)
+        check_step(step, len(self.steps) - 1, is_early=is_early)
+        return self.steps[step]
 
     def laid_out(self, dt: float, horizon: int) -> Obstacle:
         """Return the obstacle at every step of a scenario; itself unless it is on a track.

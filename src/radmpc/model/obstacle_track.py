@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from radmpc.arguments import is_integer, value_text
 from radmpc.arrays import (
     Frozen,
     Matrix,
@@ -27,11 +28,11 @@ from radmpc.arrays import (
     frozen,
     unchecked,
 )
-from radmpc.errors import ScenarioError
+from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
 from radmpc.ranges import check_range, check_steps, sized
 from radmpc.records import dataclass
 
-__all__ = ["TrackShape", "TrackSpread", "is_empty"]
+__all__ = ["TrackShape", "TrackSpread", "check_step", "is_empty"]
 
 
 def is_empty(value: object) -> bool:
@@ -45,6 +46,32 @@ def is_empty(value: object) -> bool:
     if isinstance(value, np.ndarray):  # which has a length only with an axis
         return value.size == 0
     return isinstance(value, Sized) and not len(value)
+
+
+def check_step(step: object, last: int, *, is_early: bool) -> None:
+    """Refuse a step that what moves does not have.
+
+    Parameters
+    ----------
+    step : object
+        What was given.
+    last : int
+        The last that there is.
+    is_early : bool
+        Whether its scenario has yet to lay out the others.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is no integer.
+    ArgumentError
+        If it is out of range.
+    """
+    if not is_integer(step):
+        raise ArgumentTypeError(f"step must be an integer from 0 to {last}, got {value_text(step)}")
+    if not 0 <= step <= last:
+        hint = ": its scenario lays out the others" if is_early else ""
+        raise ArgumentError(f"step must be from 0 to {last}, got {value_text(step)}{hint}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
