@@ -7,7 +7,7 @@ import pytest
 import shapely
 from scipy.spatial.distance import pdist
 
-from radmpc.errors import ScenarioError
+from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.experiments.families import circle, clutter, fleet, paper
 from radmpc.experiments.scatter import Arena
 from radmpc.experiments.swarms import swarm
@@ -71,6 +71,13 @@ def test_the_same_seed_draws_the_same_problem_and_another_does_not():
     first, again, other = (_places(fleet(16, seed))[0] for seed in (3, 3, 4))
     assert np.array_equal(first, again)
     assert not np.array_equal(first, other)
+
+
+@pytest.mark.parametrize("family", [paper, fleet, swarm], ids=lambda family: family.__name__)
+@pytest.mark.parametrize("count", [0, 10_001, 10**400], ids=["none", "too-many", "no-float"])
+def test_a_family_has_as_many_vehicles_as_a_file_may(family, count):
+    with pytest.raises(ArgumentError, match=r"^num_vehicles must be an integer from 1 to 10000"):
+        family(count, 0)
 
 
 def test_a_room_that_is_too_small_is_refused():

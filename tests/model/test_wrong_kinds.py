@@ -27,6 +27,10 @@ BOAT = SCENE.vehicles[0]
 TRACKED = Obstacle.tracked("ship", [[0, 0], [1, 0], [0, 1]], [0, 0, 1, 1])
 
 CALLS: dict[str, tuple[Callable[[], object], str]] = {
+    "an array for whether a system is a double integrator": (
+        lambda: replace(BOAT.system, is_double_integrator=np.ones(2)),
+        r"^is_double_integrator: must be true or false, got a ndarray",
+    ),
     "a span of time for a number": (
         lambda: replace(BOAT, radius=np.timedelta64(1, "s")),
         r"^radius: must be a number, got datetime.timedelta",

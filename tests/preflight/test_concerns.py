@@ -266,3 +266,11 @@ def test_a_track_that_is_lost_by_the_end_is_told(harbor: Scenario) -> None:
     )
     assert warned(better, "track") == []
     assert warned(worse, "track") != []
+
+
+@pytest.mark.parametrize("wrong", [None, 3, "harbor.yaml"], ids=["none", "number", "path"])
+def test_what_is_no_scenario_or_outlook_is_refused_in_one_line(wrong: object) -> None:
+    with pytest.raises(radmpc.ArgumentTypeError, match=r"^scenario must be a Scenario, got "):
+        outlook_of(wrong)  # type: ignore[arg-type] # what is tried
+    with pytest.raises(radmpc.ArgumentTypeError, match=r"^outlook must be an Outlook, got "):
+        concerns_of(wrong)  # type: ignore[arg-type] # what is tried

@@ -8,6 +8,7 @@ import shapely
 from radmpc.arguments import check_integer
 from radmpc.arrays import Matrix
 from radmpc.experiments.scatter import Arena
+from radmpc.io.ranges import MOST_VEHICLES
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
@@ -200,8 +201,8 @@ def circle(num_vehicles: int) -> Scenario:
 
 
 def _check_size(num_vehicles: object, seed: object = 0) -> None:
-    """Refuse numbers that make no problem."""
-    check_integer(num_vehicles, "num_vehicles", 1)
+    """Refuse numbers that make no problem, or none that a file may hold."""
+    check_integer(num_vehicles, "num_vehicles", 1, MOST_VEHICLES)
     check_integer(seed, "seed", 0)
 
 

@@ -8,6 +8,7 @@ from radmpc.arguments import check_integer
 from radmpc.arrays import Matrix
 from radmpc.errors import ScenarioError
 from radmpc.experiments.scatter import Arena
+from radmpc.io.ranges import MOST_VEHICLES
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
@@ -51,7 +52,7 @@ def swarm(num_vehicles: int, seed: int) -> Scenario:
         In space, T as long as the longest way takes and two steps more, Δ = 0.05, avoidance along
         intervals.
     """
-    check_integer(num_vehicles, "num_vehicles", 1)
+    check_integer(num_vehicles, "num_vehicles", 1, MOST_VEHICLES)
     check_integer(seed, "seed", 0)
     rng = np.random.default_rng(seed)
     # Three drones at least, so that there is room for starts 0.5 m from the faces.

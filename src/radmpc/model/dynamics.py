@@ -11,7 +11,7 @@ import numpy.typing as npt
 from radmpc.arguments import check_integer, check_kind, field_integer, field_parts, value_text
 from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_array, as_matrix, as_vector
 from radmpc.errors import ScenarioError
-from radmpc.model.integrator import closed_loop, integrator_rates
+from radmpc.model.integrator import check_stated, closed_loop, integrator_rates
 from radmpc.model.numbers import positive_definite
 from radmpc.ranges import LARGEST, check_range, sized
 from radmpc.records import dataclass, field
@@ -76,12 +76,7 @@ class LinearSystem(Frozen):
                 ("velocity",),
             )
         rates = integrator_rates(self.A, self.B, self.position)
-        if self.is_double_integrator and rates is None:
-            raise ScenarioError(
-                "A and B are not those of a double integrator: positions must be carried by their "
-                "velocities, and velocities by the controls, each held over the step",
-                ("is_double_integrator",),
-            )
+        check_stated(self.is_double_integrator, rates)
         for name, value in (("is_double_integrator", rates is not None), ("_rates", rates)):
             object.__setattr__(self, name, value)
 

@@ -1,13 +1,15 @@
-"""Which linear systems are double integrators; closed loops of any from what users write."""
+"""Which linear systems are double integrators, and closed loops of any from what users write."""
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
 
+from radmpc.arguments import value_text
 from radmpc.arrays import Matrix, as_covariance, as_matrix
+from radmpc.errors import ScenarioError
 
-__all__ = ["closed_loop", "integrator_rates"]
+__all__ = ["check_stated", "closed_loop", "integrator_rates"]
 
 _SAME = 1e-9
 """Relative difference below which two matrix entries are one: what files lose to rounding."""
@@ -49,6 +51,32 @@ def integrator_rates(
     if not is_same or not np.allclose(B[place], half, rtol=_SAME, atol=_SAME * np.abs(half).max()):
         return None
     return tuple(velocity), step
+
+
+def check_stated(stated: object, rates: object) -> None:
+    """Refuse what says wrongly that a system is a double integrator, or says nothing.
+
+    Parameters
+    ----------
+    stated : object
+        Whether it is said to be one.
+    rates : tuple or None
+        What `integrator_rates` found.
+
+    Raises
+    ------
+    ScenarioError
+        If it is not as stated.
+    """
+    if not isinstance(stated, (bool, np.bool_)):
+        text = f"must be true or false, got {value_text(stated)}"
+        raise ScenarioError(text, ("is_double_integrator",))
+    if stated and rates is None:
+        raise ScenarioError(
+            "A and B are not those of a double integrator: positions must be carried by their "
+            "velocities, and velocities by the controls, each held over the step",
+            ("is_double_integrator",),
+        )
 
 
 def closed_loop(

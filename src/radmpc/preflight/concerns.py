@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from radmpc.arguments import check_kind
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.planners.reaching.passing import blocked_pairs, blocked_text
@@ -122,7 +123,14 @@ def concerns_of(outlook: Outlook) -> tuple[Concern, ...]:
     -------
     tuple of Concern
         What rules out any plan first; one line for vehicles that share a concern.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is no outlook.
     """
+    hint = "radmpc.preflight.outlook_of makes one"
+    check_kind(outlook, Outlook, "outlook", "an Outlook", hint)
     scenario = outlook.scenario
     found = [
         one

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor
+from radmpc.model.given import check_scenario
 from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
@@ -140,7 +141,13 @@ def outlook_of(
     -------
     Outlook
         In time that grows with vehicles, steps and obstacles, but not with ways around them.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is no scenario.
     """
+    check_scenario(scenario)
     if scenario.goals:
         from radmpc.preflight.goals import with_near_goals  # noqa: PLC0415 - few share goals
 
