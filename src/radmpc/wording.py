@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import reprlib
+from collections.abc import Sequence
 from numbers import Integral, Real
 
 import numpy as np
@@ -16,6 +17,7 @@ __all__ = [
     "number_text",
     "one",
     "percent",
+    "place_text",
     "value_text",
     "with_options",
 ]
@@ -24,7 +26,7 @@ _LONGEST = 60
 """Letters of a value that a message shows; longer ones are shortened."""
 
 _ROUNDING = 1e-9
-"""Share below which two costs differ by the rounding of their sums alone [-]."""
+"""Share below which two costs, or places, differ by rounding alone [-]."""
 
 _REPR = reprlib.Repr()
 _REPR.maxstring = _REPR.maxother = _REPR.maxlong = _LONGEST
@@ -52,6 +54,18 @@ def one(kind: type) -> str:
 def percent(share: float) -> str:
     """Return what a cost could fall by as a percentage of two digits: ``3.4 %``."""
     return f"{100.0 * share if share > _ROUNDING else 0.0:.2g} %"
+
+
+def place_text(position: Sequence[float]) -> str:
+    """Return a place as ``(8.5, 0)``: four digits, and 0 for what is rounding beside others.
+
+    Parameters
+    ----------
+    position : sequence of float
+        Coordinates [m].
+    """
+    least = _ROUNDING * max(map(abs, position))
+    return f"({', '.join(f'{x if abs(x) > least else 0.0:.4g}' for x in position)})"
 
 
 def count_text(number: int, noun: str) -> str:

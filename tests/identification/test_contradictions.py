@@ -129,3 +129,22 @@ def test_a_log_whose_time_runs_backwards_throughout_is_not_two_logs() -> None:
     track = flight()
     with pytest.raises(FileFormatError, match="the whole log does"):
         identify([track.changed({}, -track.times)])
+
+
+def test_what_happens_while_nothing_is_logged_contradicts_no_velocity() -> None:
+    flown = 0.5 * np.arange(400)
+    # After every 20 samples the vehicle waits for 15 s, without a log.
+    times = flown + 15.0 * (np.arange(400) // 20)
+    positions = np.column_stack([2.0 * flown, 1.5 * flown + np.sin(flown)])
+    velocities = np.column_stack([2.0 + 1e-9 * flown, 1.5 + np.cos(flown)])
+    assert check_axes(Track("v1", "log.csv", "one", times, positions, velocities)) == ()
+
+
+def test_a_still_position_and_noise_of_its_velocity_at_a_gap_are_no_contradiction() -> None:
+    track = flight("states")
+    later = track.times + np.where(np.arange(len(track.times)) > 200, 3600.0, 0.0)
+    positions, velocities = track.positions.copy(), track.velocities.copy()
+    positions[:, 1] = 0.0
+    velocities[:, 1] = 0.02 * np.sin(np.arange(len(later)))
+    still = track.changed({"positions": positions, "velocities": velocities}, later)
+    assert any("y never changes, though vy does" in line for line in identify([still]).warnings)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 import radmpc
@@ -53,3 +55,64 @@ def test_check_and_plan_name_the_drift_and_no_feedback() -> None:
     explanation = radmpc.plan(scenario, "certified(0)", rng=0).explanation
     assert "the drift of -3.5 m/s along x is faster than speed_limit 3" in explanation
     assert "feedback" not in explanation
+
+
+def pushed(rate: float, axis: int = 0, **more: object) -> Vehicle:
+    """A vehicle that something pushes, at a rate [m/s²], of 1.5 that its control takes."""
+    drift = [0.0] * 4
+    drift[2 + axis] = 0.5 * rate
+    return drifting(0.0, drift=drift, **more)
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "told"),
+    [
+        (pushed(-1.8), "the push of -1.8 m/s² by drift along x is stronger than its control"),
+        (pushed(2.0, axis=1), "the push of 2 m/s² by drift along y is stronger than its control"),
+        (
+            pushed(-1.8, speed_limit=None),
+            "the push of -1.8 m/s² by drift along x is stronger than its control",
+        ),
+        (
+            pushed(1.8),  # past its speed limit
+            "the push of 1.8 m/s² by drift along x is stronger than its control",
+        ),
+        (pushed(-1.4), None),  # its control is stronger
+        (
+            replace(pushed(1.51, speed_limit=None), goal=radmpc.Goal.at([20.0, 0.0], 0.5, None)),
+            None,
+        ),
+        (
+            pushed(1.51, speed_limit=None),  # too fast to stop
+            "the push of 1.51 m/s² by drift along x is stronger than its control",
+        ),
+    ],
+)
+def test_a_push_is_named_where_it_carries_a_vehicle_off_against_all_of_its_control(
+    vehicle, told
+) -> None:
+    assert strong_drift_text(vehicle, 0.5, 28) == told
+
+
+def checked(vehicle: Vehicle, horizon: int) -> str:
+    """What a check says of the time of a vehicle."""
+    outlook = outlook_of(Scenario("river", 0.5, horizon, 0.05, [vehicle]))
+    [time] = [one.text for one in concerns_of(outlook) if one.kind == "time"]
+    return time
+
+
+@pytest.mark.parametrize("limit", [3.0, None])
+def test_check_names_a_push_that_is_stronger_than_the_control_and_no_units(limit) -> None:
+    for horizon in (5, 28):
+        told = checked(pushed(-1.8, speed_limit=limit), horizon)
+        assert "the push of -1.8 m/s² by drift along x is stronger than its control" in told
+        assert "units" not in told
+
+
+def test_check_names_a_drift_that_no_speed_holds_against_at_a_goal_on_its_way() -> None:
+    # Fewer steps than these 40 would do; the least time is looked for in more of them alone.
+    vehicle = drifting(3.4, goal=20.0)
+    vehicle = replace(vehicle, goal=radmpc.Goal.at([20.0, 0.0], 0.5, 0.05), speed_limit=2.5)
+    told = checked(vehicle, 40)
+    assert "the drift of 3.4 m/s along x is faster than speed_limit 2.5" in told
+    assert "units" not in told

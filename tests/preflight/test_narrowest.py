@@ -287,3 +287,13 @@ def test_what_a_freighter_strays_counts_beside_it() -> None:
     assert exact.clearance == pytest.approx(narrowest(past(south, north)).clearance, abs=0.03)
     assert place.deviation == pytest.approx(np.hypot(DEVIATION, 0.2), rel=0.02)
     assert place.deviations < exact.deviations
+
+
+def test_a_place_on_an_axis_is_named_without_rounding_errors() -> None:
+    gate = [
+        Obstacle.box("north", [8.0, 0.62], [9.0, 30.0]),
+        Obstacle.box("south", [8.0, -30.0], [9.0, -0.62]),
+    ]
+    scenario = past(*gate, workspace=Workspace([-5.0, -30.0], [30.0, 30.0]))
+    [told] = [one.text for one in concerns_of(outlook_of(scenario)) if one.kind == "narrow"]
+    assert "must pass between 'north' and 'south' near (8.167, 0) with 0.12 m to spare" in told

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import stdtrit
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.errors import FileFormatError
 from radmpc.identification.track import Track
 
@@ -37,6 +37,9 @@ ways along both may look alike."""
 
 _WINDOW = 20
 """Samples over which distances are compared: noise averages out, motion adds up."""
+
+_GAP = 1.5
+"""Median times between samples [-] above which one is a gap."""
 
 _STUCK = 0.1
 """Share of the other axes' way [-] that velocities along one may tell while its position stays."""
@@ -122,7 +125,8 @@ def check_still(track: Track) -> tuple[str, ...]:
         if velocities is None or np.ptp(velocities[:, i]) == 0.0:
             told = f"{axis} never changes: its noise cannot be told, and is taken as 0"
         else:
-            steps = velocities[:-1, i] * np.diff(track.times)
+            near = _without_gaps(track)
+            steps = velocities[near, i] * np.diff(track.times)[near]
             way = float(np.ptp(np.cumsum(steps)))
             if way > _STUCK * float(np.ptp(track.positions, axis=0).max()):
                 raise FileFormatError(
@@ -138,11 +142,18 @@ def _ways(track: Track) -> tuple[Matrix, Matrix]:
     """Return distances over some samples by positions and by velocities."""
     velocities = track.velocities
     assert velocities is not None
-    seconds = np.diff(track.times)[:, None]
-    moved = np.diff(track.positions, axis=0)
-    told = 0.5 * (velocities[1:] + velocities[:-1]) * seconds
+    near = _without_gaps(track)
+    seconds = np.diff(track.times)[near, None]
+    moved = np.diff(track.positions, axis=0)[near]
+    told = 0.5 * (velocities[1:] + velocities[:-1])[near] * seconds
     window = _window(len(moved))
     return _summed(moved, window), _summed(told, window)
+
+
+def _without_gaps(track: Track) -> Indices:
+    """Return the samples with no gap to the next: what lies across, velocities do not tell."""
+    lengths = np.diff(track.times)
+    return np.flatnonzero(lengths <= _GAP * np.median(lengths))
 
 
 def _window(count: int) -> int:
@@ -156,7 +167,7 @@ def _is_sure(track: Track, slope: float, share: float) -> bool:
     By Student's quantile and the standard error of a regression through 0, of as many pairs as
     there are windows beside each other.
     """
-    count = len(track.times) - 1
+    count = len(_without_gaps(track))
     free = count / _window(count) - 1.0
     error = abs(slope) * np.sqrt(max(1.0 - share, 0.0) / share / free)
     return bool(abs(slope - 1.0) > error * stdtrit(free, 0.5 + 0.5 * _SURE))

@@ -17,8 +17,15 @@ from radmpc.records import replace
 __all__ = ["without_bias"]
 
 _MOST_STEPS = 1000
-"""Steps of the longest log that is looked at: in longer ones intervals without all this hold
+"""Steps of the longest log that is always looked at: in longer ones intervals without all this hold
 feedback of a tenth of the usual gains in 93 % already."""
+
+_FEW_RETURNS = 60.0
+"""Returns of deviations [-], steps over the time constant of the slowest, below which logs of more
+steps are looked at, too: sampled fast, many steps hold few of them."""
+
+_FARTHEST = 5000
+"""Steps of the longest log that is looked at for that: about a second, and 250 MB."""
 
 _LOGS = 200
 """Simulated logs, in pairs with opposite noise: the bias is known within 0.07 of a deviation,
@@ -54,7 +61,11 @@ def without_bias(found: Fit, h: Matrix, follows: Vector, model: StepModel) -> Fi
     most = max(1.0, _MOST_GROWTH ** (1.0 / len(h)))
     covariance = found.noise.T @ found.noise / max(len(h) - 1, 1)
     variances = np.diag(covariance)
-    if len(h) > _MOST_STEPS or variances.min() <= 0.0 or _radius(found.gain, model) > most:
+    radius = _radius(found.gain, model)
+    is_long = len(h) > _MOST_STEPS and (
+        len(h) > _FARTHEST or len(h) * (1.0 - radius) >= _FEW_RETURNS
+    )
+    if is_long or variances.min() <= 0.0 or radius > most:
         return found
     covariance += _FLOOR * np.diag(variances)
     root = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)

@@ -23,6 +23,7 @@ from radmpc.preflight.outlook import VehicleOutlook, outlook_of
 from radmpc.preflight.places import Narrowest, Passage
 from radmpc.preflight.reserve import tails
 from radmpc.rounding import rounded_down, rounded_up
+from radmpc.wording import place_text
 
 __all__ = ["describe_narrow", "narrow_cures"]
 
@@ -75,7 +76,7 @@ def _describe_place(
         return  # it is the start or the goal, of which more is said elsewhere
     if max(seen.start_risk, seen.goal_risk) > scenario.risk_bound:
         return  # what is around those has to be changed first
-    where = f"{_between(place)} near ({', '.join(f'{x:.4g}' for x in place.position)})"
+    where = f"{_between(place)} near {place_text(place.position)}"
     if place.clearance < 0.0:
         text = (
             f"no path to the goal in time is wide enough: the widest lacks {-place.clearance:.2g} "

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from radmpc.planners.endpoints.floors import EndpointHazard, Floors
     from radmpc.planners.endpoints.ranges import LostRange
 
-__all__ = ["Outlook", "VehicleOutlook", "outlook_of"]
+__all__ = ["MOST_TIMES", "Outlook", "VehicleOutlook", "outlook_of"]
 
-_MOST_TIMES = 8
+MOST_TIMES = 8
 """Multiple of the horizon up to which the least time is looked for [-]."""
 
 _WORK, _WORK_OF_ALL = 4e6, 8e7
@@ -241,7 +241,7 @@ def _least_times(
     scenario: Scenario, vehicle: Vehicle, pace: Pace, bounds: Matrix
 ) -> tuple[int | None, int | None]:
     """Return the fewest steps with the whole control limit, and with what feedback leaves."""
-    most = _MOST_TIMES * scenario.horizon
+    most = MOST_TIMES * scenario.horizon
     whole = np.tile(vehicle.control_limit, (most, 1))
     is_resting = not pace.speed.any()
     least = _least(lambda steps: pace.arrives(whole[:steps]), scenario.horizon, is_resting)
@@ -283,7 +283,7 @@ def _least(arrives: Callable[[int], bool], horizon: int, is_resting: bool) -> in
     failed, works = 0, horizon
     while not arrives(works):
         failed, works = works, 2 * works
-        if works > _MOST_TIMES * horizon:
+        if works > MOST_TIMES * horizon:
             return None
     between = range(failed + 1, works)
     return between.start + bisect_left(between, True, key=arrives)

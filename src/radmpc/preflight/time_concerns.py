@@ -14,7 +14,7 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.planners.reaching.around import late_text
 from radmpc.planners.reaching.drifting import strong_drift_text
 from radmpc.preflight.cures import time_cures
-from radmpc.preflight.outlook import VehicleOutlook
+from radmpc.preflight.outlook import MOST_TIMES, VehicleOutlook
 from radmpc.records import dataclass
 from radmpc.wording import count_text
 
@@ -146,7 +146,8 @@ def describe_time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) ->
         return None  # without control no horizon helps
     seconds = f"{count_text(horizon, 'step')} ({horizon * scenario.dt:g} s)"
     if least is None:
-        drift = strong_drift_text(vehicle, scenario.dt, horizon)
+        # Out of reach in many times the horizon, it may be a drift that only then is too much.
+        drift = strong_drift_text(vehicle, scenario.dt, MOST_TIMES * horizon)
         if drift is not None:
             text = f"goal out of reach, {drift}: check both, and the signs of drift"
             return TimeConcern("time", text, np.inf)

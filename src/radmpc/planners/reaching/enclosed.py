@@ -18,6 +18,7 @@ from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass
+from radmpc.wording import place_text
 
 __all__ = ["BarriersOfAll", "Closed", "at_all_steps", "closed_text"]
 
@@ -153,7 +154,7 @@ def _what_closes(vehicle: Vehicle, closed: Closed) -> str:
             named.append(f"{len(closed.around) - _NAMED} more")
         leaves = "leave" if len(named) > 1 else "leaves"
         return f"{listed(named)} {leaves} no opening, for a hull of any size"
-    near = f"near ({', '.join(f'{x:.4g}' for x in closed.position)})"
+    near = f"near {place_text(closed.position)}"
     if None in closed.beside:
         other = next(name for name in closed.beside if name is not None)
         return (
