@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from operator import attrgetter
 from typing import Generic, TypeVar
 
-__all__ = ["Dives", "OpenNode"]
+__all__ = ["Dives", "OpenNode", "rank"]
 
 
-@dataclass(order=True, slots=True)
+@dataclass(slots=True, eq=False)
 class OpenNode:
-    """A node, ordered by its bound, then deeper first, then older first.
+    """A node, see `rank`.
 
     A dive takes its nodes without removing them from the heap: they stay there, no longer open,
-    until they come to the top. A node that is opened again is still queued, or pushed.
+    until they come to the top. A node that is opened again is still queued, or pushed. While it is
+    queued, nothing of its rank changes.
 
     Attributes
     ----------
@@ -34,9 +36,13 @@ class OpenNode:
     bound: float
     depth: int
     number: int
-    chosen: tuple[int, ...] = field(compare=False)
-    is_open: bool = field(compare=False, default=True)
-    is_queued: bool = field(compare=False, default=False)
+    chosen: tuple[int, ...]
+    is_open: bool = True
+    is_queued: bool = False
+
+
+rank: Callable[[OpenNode], tuple[float, int, int]] = attrgetter("bound", "depth", "number")
+"""What nodes are ordered by: their bound, then deeper first, then older first."""
 
 
 Node = TypeVar("Node", bound=OpenNode)
@@ -53,12 +59,13 @@ class Dives(Generic[Node]):
 
     def __init__(self, patience: int) -> None:
         self._patience = patience
-        self._heap: list[Node] = []
+        # With their ranks, which are compared without a call of Python.
+        self._heap: list[tuple[tuple[float, int, int], Node]] = []
         self._trail: list[Node] = []
 
     def __iter__(self) -> Iterator[Node]:
         """Return the open nodes, in no order."""
-        return (node for node in self._heap if node.is_open)
+        return (node for _, node in self._heap if node.is_open)
 
     def clear(self) -> None:
         """Forget all nodes."""
@@ -69,7 +76,7 @@ class Dives(Generic[Node]):
         node.is_open = True
         if not node.is_queued:
             node.is_queued = True
-            heapq.heappush(self._heap, node)
+            heapq.heappush(self._heap, (rank(node), node))
 
     def leave(self, nodes: Iterable[Node]) -> None:
         """Note open siblings that a dive passes by; it backtracks to the last of them first."""
@@ -77,9 +84,9 @@ class Dives(Generic[Node]):
 
     def best(self) -> Node | None:
         """Return the open node of least bound; those that a dive took are dropped."""
-        while self._heap and not self._heap[0].is_open:
+        while self._heap and not self._heap[0][1].is_open:
             self._pop()
-        return self._heap[0] if self._heap else None
+        return self._heap[0][1] if self._heap else None
 
     def dive(
         self,
@@ -128,6 +135,6 @@ class Dives(Generic[Node]):
 
     def _pop(self) -> Node:
         """Remove the first node from the heap."""
-        node = heapq.heappop(self._heap)
+        _, node = heapq.heappop(self._heap)
         node.is_queued = False
         return node

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import IntEnum
 
 from radmpc.arrays import Indices, Vector
@@ -49,7 +49,7 @@ class Incumbent:
     risk: float
 
 
-@dataclass(order=True, slots=True)
+@dataclass(slots=True, eq=False)
 class Node(OpenNode):
     """An open node, with the result of its linear program once that has been solved.
 
@@ -63,6 +63,6 @@ class Node(OpenNode):
         Where its linear program ended, for those of its children to begin with; see `RiskLp`.
     """
 
-    is_solved: bool = field(compare=False, default=False)
-    alternatives: tuple[int, ...] = field(compare=False, default=())
-    basis: tuple[int, bytes] = field(compare=False, default=(0, b""))
+    is_solved: bool = False
+    alternatives: tuple[int, ...] = ()
+    basis: tuple[int, bytes] = (0, b"")

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 
 from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.diving import Dives
+from radmpc.solvers.diving import Dives, rank
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.priced.node_solver import NodeSolver
 from radmpc.solvers.priced.nodes import Frontier, Incumbent, Node, NodeState
@@ -206,7 +206,7 @@ class RiskTree:
             self._solve(child)
             if child.alternatives:
                 children.append(child)
-        children.sort()
+        children.sort(key=rank)
         for child in children:
             self._open.open(child)
         self._open.leave(children[:0:-1])
