@@ -18,7 +18,7 @@ def program_of(scenario):
 
 
 def assert_each_once(nodes):
-    numbers = [node.number for node in nodes]
+    numbers = [node.number for _, node in nodes]
     assert len(numbers) == len(set(numbers))
 
 
