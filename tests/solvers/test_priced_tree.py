@@ -17,7 +17,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planning import plan
 from radmpc.program.build import build_program, condensed_models
-from radmpc.solvers.priced.lp import SetBound
+from radmpc.solvers.priced.set_bounds import SetBound
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 

@@ -13,9 +13,10 @@ from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.compiled_code import is_compiled
 from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.priced import lp as priced_lp
-from radmpc.solvers.priced.lp import RiskLp, SetBound
+from radmpc.solvers.priced.lp import RiskLp
 from radmpc.solvers.priced.numpy_risk_rows import NumpyRiskRows
 from radmpc.solvers.priced.rating import Rater
+from radmpc.solvers.priced.set_bounds import SetBound
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 

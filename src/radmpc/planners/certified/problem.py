@@ -17,9 +17,9 @@ from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.records import dataclass, replace
 from radmpc.solvers.branch.branch import Branch
-from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater
+from radmpc.solvers.priced.set_bounds import SetBound
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 

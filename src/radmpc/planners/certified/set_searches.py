@@ -14,7 +14,7 @@ from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
 from radmpc.records import dataclass, replace
-from radmpc.solvers.priced.lp import SetBound
+from radmpc.solvers.priced.set_bounds import SetBound
 from radmpc.solvers.solution import Limits
 
 __all__ = ["SetSearch", "search_sets", "solve_sets"]

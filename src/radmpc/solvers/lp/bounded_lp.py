@@ -46,7 +46,9 @@ class BoundedLp(ABC):
             Bounds, ±inf where there is none.
         """
         starts, columns = matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32)
-        return self._appended(starts, columns, floats(matrix.data), floats(lower), floats(upper))
+        return self.add_packed_rows(
+            starts, columns, floats(matrix.data), floats(lower), floats(upper)
+        )
 
     def add_dense_rows(self, columns: Numbers, values: Matrix, lower: Vector) -> int:
         """Append rows of equal length without upper bounds; return the number of the first.
@@ -62,7 +64,7 @@ class BoundedLp(ABC):
         """
         count, width = values.shape
         starts = np.arange(0, (count + 1) * width, width, dtype=np.int32)
-        return self._appended(starts, columns, values, lower, np.full(count, np.inf))
+        return self.add_packed_rows(starts, columns, values, lower, np.full(count, np.inf))
 
     def add_row(self, columns: Numbers, values: Vector, lower: float, upper: float) -> int:
         """Append one row; return its number.
@@ -78,12 +80,24 @@ class BoundedLp(ABC):
         """
         starts = np.array([0, len(columns)], dtype=np.int32)
         bounds = np.array([lower], dtype=float), np.array([upper], dtype=float)
-        return self._appended(starts, columns, floats(values), *bounds)
+        return self.add_packed_rows(starts, columns, floats(values), *bounds)
 
-    def _appended(
+    def add_packed_rows(
         self, starts: Numbers, columns: Numbers, values: Matrix, lower: Vector, upper: Vector
     ) -> int:
-        """Append rows; row i has the entries from ``starts[i]`` to ``starts[i + 1]``."""
+        """Append rows as compiled code takes them; return the number of the first.
+
+        Parameters
+        ----------
+        starts : (k+1,) int array
+            Row i has the entries from ``starts[i]`` to ``starts[i + 1]``.
+        columns : (e,) int array
+            Their columns.
+        values : (e,) array
+            Their coefficients.
+        lower, upper : (k,) array
+            Bounds, ±inf where there is none.
+        """
         first = self.num_rows
         self._append_rows(starts, columns, values, lower, upper)
         return first

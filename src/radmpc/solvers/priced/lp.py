@@ -13,25 +13,24 @@ q >= 0 without a row of its own.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
 
 import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.records import dataclass
 from radmpc.solvers.compiled_code import is_compiled
 from radmpc.solvers.lp.choosing import bounded_lp
 from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.priced.numpy_risk_rows import NumpyRiskRows
 from radmpc.solvers.priced.rating import Rater, Rating
 from radmpc.solvers.priced.risk_rows import RiskRows, Surroundings
+from radmpc.solvers.priced.set_bounds import BoundRows, SetBound
 from radmpc.solvers.priced.tuning import TUNING
 
 if is_compiled():
     from radmpc.solvers.priced.compiled_risk_rows import CompiledRiskRows
 
-__all__ = ["Basis", "RiskLp", "SetBound"]
+__all__ = ["Basis", "RiskLp"]
 
 Basis = tuple[int, bytes]
 """A vertex of a `RiskLp`: how often it was loaded by then, and the basis there."""
@@ -40,22 +39,6 @@ _INF = float("inf")
 _DEAR = 1e6
 """Price from which rows with prices in them are scaled down [cost]: HiGHS refuses entries of
 1e15."""
-
-
-@dataclass(frozen=True, slots=True)
-class SetBound:
-    """A proven lower bound on some blocks: ``cost + price · risk / unit >= value``.
-
-    Attributes
-    ----------
-    blocks : frozenset of int
-        The blocks.
-    value : float
-        Lower bound in any solution, risks between these blocks and within each included.
-    """
-
-    blocks: frozenset[int]
-    value: float
 
 
 class RiskLp:
@@ -110,7 +93,7 @@ class RiskLp:
         self._row_scale = 1.0 if price <= _DEAR else _DEAR / price
         self.dropped_solves = 0
         self.starts = 0
-        self._bounds = tuple(sorted(bounds, key=lambda b: (len(b.blocks), sorted(b.blocks))))
+        self._bounds = BoundRows.of(program, bounds, price, self._row_scale)
         self._start()
 
     @property
@@ -134,31 +117,16 @@ class RiskLp:
 
     def _add_bounds(self, budget_row: int) -> tuple[tuple[frozenset[int], int], ...]:
         """Load proven bounds; return their blocks and rows."""
-        program = self.program
-        bound_rows: list[tuple[frozenset[int], int]] = []
-        remainders: dict[frozenset[int], int] = {}
-        for bound in self._bounds:
-            # What is risked beyond the chosen rows, by vehicle and by pair: charged once each.
-            members = sorted(bound.blocks)
-            parts = [frozenset(c) for size in (1, 2) for c in combinations(members, size)]
-            for part in parts:
-                if part not in remainders:
-                    # The budget's row holds it to one unit anyway; said here, it is finite.
-                    remainders[part] = self._lp.add_column(
-                        self.price, 1.0, np.array([budget_row], dtype=np.int32), np.ones(1)
-                    )
-            inner = [remainders[part] for part in parts]
-            is_member = np.zeros(int(program.blocks.max(initial=0)) + 1, dtype=bool)
-            is_member[members] = True
-            columns = np.flatnonzero(is_member[program.blocks])
-            row = self._lp.add_row(
-                np.append(columns, inner).astype(np.int32),
-                self._row_scale * np.append(program.cost[columns], np.full(len(inner), self.price)),
-                self._row_scale * bound.value,
-                _INF,
-            )
-            bound_rows.append((bound.blocks, row))
-        return tuple(bound_rows)
+        bounds = self._bounds
+        rows, ones = np.array([budget_row], dtype=np.int32), np.ones(1)
+        for _ in range(bounds.num_columns):
+            # The budget's row holds it to one unit anyway; said here, it is finite.
+            self._lp.add_column(self.price, 1.0, rows, ones)
+        if not bounds.blocks:
+            return ()
+        packed = bounds.starts, bounds.columns, bounds.values
+        first = self._lp.add_packed_rows(*packed, bounds.lower, np.full(len(bounds.lower), _INF))
+        return tuple((blocks, first + row) for row, blocks in enumerate(bounds.blocks))
 
     def activate(self, alternatives: tuple[int, ...]) -> None:
         """Switch exactly the rows of these alternatives on, adding those that are new.

@@ -14,9 +14,10 @@ from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.compiled_code import is_compiled
 from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.priced.branching import BranchingChoice
-from radmpc.solvers.priced.lp import RiskLp, SetBound
+from radmpc.solvers.priced.lp import RiskLp
 from radmpc.solvers.priced.nodes import Incumbent, Node, NodeState
 from radmpc.solvers.priced.rating import Rater, Rating
+from radmpc.solvers.priced.set_bounds import SetBound
 from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.priced.value import Precision, negligible_difference, priced_value
 from radmpc.solvers.solution import cutoff_below

@@ -18,10 +18,10 @@ from collections.abc import Sequence
 from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.diving import Dives, rank
-from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.priced.node_solver import NodeSolver
 from radmpc.solvers.priced.nodes import Frontier, Incumbent, Node, NodeState
 from radmpc.solvers.priced.rating import Rater
+from radmpc.solvers.priced.set_bounds import SetBound
 from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.priced.value import Precision
 from radmpc.solvers.solution import Limits

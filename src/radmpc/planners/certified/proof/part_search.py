@@ -20,7 +20,7 @@ from radmpc.program.build import SharedBlocks, point_of
 from radmpc.program.relaxed.left_out import near_each_other
 from radmpc.program.relaxed.shared_rows import SharedCones, SharedRows
 from radmpc.records import dataclass, field, replace
-from radmpc.solvers.priced.lp import SetBound
+from radmpc.solvers.priced.set_bounds import SetBound
 from radmpc.solvers.solution import Limits
 
 __all__ = ["search_part", "search_part_elsewhere"]

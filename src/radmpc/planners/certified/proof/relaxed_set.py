@@ -15,9 +15,9 @@ from radmpc.program.relaxed.build import build_relaxation
 from radmpc.program.relaxed.shared_rows import SharedRows
 from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, replace
-from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater
+from radmpc.solvers.priced.set_bounds import SetBound
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
