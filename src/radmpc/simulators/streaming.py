@@ -55,7 +55,6 @@ class Stream:
         self._lock = threading.RLock()
         self._stopped = threading.Event()
         self._failure: LinkError | None = None
-        self._is_watched = False
         self._program: tuple[float, Reference] | None = None
         self._samples: list[tuple[float, Matrix]] = []
         self._thread = threading.Thread(target=self._run, name="mavlink", daemon=True)
@@ -86,7 +85,9 @@ class Stream:
             lambda i: links[i].is_offboard, "accepts offboard mode, and does not enter it"
         )
         self.wait_for(lambda i: links[i].is_armed, "accepts arming, and is not armed")
-        self._is_watched = True
+        with self._lock:
+            for link in links:
+                link.is_watched = True
 
     def follow(self, begun: float, reference: Reference) -> None:
         """Steer along a reference from now on.
@@ -235,12 +236,12 @@ class Stream:
         for link in self._links:
             link.receive()
             link.beat()
-            if self._is_watched and not link.is_offboard:
+            if link.is_watched and not link.is_offboard:
                 raise LinkError(
                     f"vehicle {link.name!r}: left offboard mode ({link.mode}): a pilot or a "
                     "failsafe has taken over"
                 )
-            if self._is_watched and not link.is_armed:
+            if link.is_watched and not link.is_armed:
                 raise LinkError(f"vehicle {link.name!r}: was disarmed")
         if self._program is None:
             return
