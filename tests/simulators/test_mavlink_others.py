@@ -18,6 +18,7 @@ from px4 import HOLD, Px4, free_port, in_the_air
 from pymavlink.dialects.v20 import common
 
 from radmpc.simulators import mavlink
+from radmpc.simulators.fix import Fix
 from radmpc.simulators.link import Link, LinkError
 from radmpc.simulators.mavlink import Mavlink
 
@@ -99,6 +100,36 @@ def test_a_vehicle_that_is_flown_is_not_mistaken_for_another_on_its_port(
         assert link.is_ours
         assert link.fix is not None
         assert link.fix.position.tolist() == [2.0, 1.0, 5.0]
+
+
+def test_a_position_counts_once_and_not_after_a_later_one() -> None:
+    times = iter(np.arange(100.0))
+    port = free_port(1)
+    link, sender = Link("east", "127.0.0.1", port, lambda: float(next(times))), Sender(port)
+    found = []
+    try:
+        sender.beat()
+        # In order, again, late, and twice later.
+        for stamp, north in ((9000, 1.0), (9000, 2.0), (8950, 3.0), (9050, 4.0), (20_000, 5.0)):
+            sender.place(stamp, north, 0.0)
+            link.receive()
+            assert link.fix is not None
+            found.append((link.fix.position[1], link.fix.time))
+        sender.place(10, 6.0, 0.0)  # of a vehicle that was started again
+        link.receive()
+    finally:
+        sender.close()
+        link.close()
+    assert [north for north, _ in found] == [1.0, 1.0, 1.0, 4.0, 5.0]
+    assert found[0] == found[1] == found[2]
+    assert link.fix.position[1] == 6.0
+
+
+def test_a_stamp_goes_on_after_the_largest() -> None:
+    fix = Fix(0.0, np.zeros(3), np.zeros(3), 2**32 - 20)
+    assert fix.is_before(30)
+    assert not fix.is_before(2**32 - 70)
+    assert not Fix(0.0, np.zeros(3), np.zeros(3), 30).is_before(2**32 - 20)
 
 
 @pytest.mark.slow

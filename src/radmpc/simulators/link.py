@@ -11,11 +11,11 @@ import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.errors import RadmpcError
-from radmpc.records import dataclass
+from radmpc.simulators.fix import Fix
 from radmpc.simulators.optional import loaded
 from radmpc.simulators.px4_modes import MODES, OFFBOARD, PX4, mode_text
 
-__all__ = ["Fix", "Link", "LinkError"]
+__all__ = ["Link", "LinkError"]
 
 _USE_ALL_BUT_YAW = 0b1100_0000_0000
 """POSITION_TARGET_TYPEMASK: position, velocity and acceleration count [-]."""
@@ -29,33 +29,6 @@ _GROUND_STATION = 255, 190
 
 class LinkError(RadmpcError):
     """A vehicle that is not heard, refuses, or does not get where it must begin."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Fix:
-    """Where a vehicle said it was.
-
-    Attributes
-    ----------
-    time : float
-        When it was heard, by the clock [s].
-    position, velocity : (3,) array
-        East, north, up of its local origin [m], [m/s].
-    """
-
-    time: float
-    position: Vector
-    velocity: Vector
-
-    def at(self, moment: float) -> Vector:
-        """Return the position at another moment, carried on by the velocity, (3,) [m].
-
-        Parameters
-        ----------
-        moment : float
-            By the same clock [s].
-        """
-        return np.asarray(self.position + (moment - self.time) * self.velocity)
 
 
 class Link:
@@ -154,15 +127,21 @@ class Link:
         elif is_other:
             return
         elif kind == "LOCAL_POSITION_NED":
-            place = _NORTH_EAST_DOWN @ [message.x, message.y, message.z]
-            speed = _NORTH_EAST_DOWN @ [message.vx, message.vy, message.vz]
-            if np.all(np.isfinite([place, speed])):
-                self.fix, self.heard = Fix(now, place, speed), now
+            self._take_place(message)
         elif kind == "COMMAND_ACK":
             self._answers[message.command] = message.result
             is_accepted = message.result == self._dialect.MAV_RESULT_ACCEPTED
             if message.command == self._command("offboard") and is_accepted:
                 self.is_ours = self._asked == "offboard"
+
+    def _take_place(self, message: Any) -> None:
+        """Take a position, unless it is no number, came twice, or a later one came before it."""
+        m, now = message, self._clock()
+        numbers = np.array([[m.x, m.y, m.z], [m.vx, m.vy, m.vz]])
+        is_later = self.fix is None or self.fix.is_before(m.time_boot_ms)
+        if is_later and np.isfinite(numbers).all():
+            place, speed = numbers @ _NORTH_EAST_DOWN
+            self.fix, self.heard = Fix(now, place, speed, m.time_boot_ms), now
 
     def _check_beat(self, message: Any, peer: tuple[str, int]) -> None:
         """Refuse what is not flown by PX4, and a second vehicle on the port."""
