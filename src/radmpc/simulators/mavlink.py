@@ -135,6 +135,7 @@ class Mavlink:
         except LinkError:
             self.close()
             raise
+        stream.visited()  # on the way to the start nothing counts
         self._begun = self._clock()
         states, places = self._states(stream)
         return states, self._surroundings.at_start(places)

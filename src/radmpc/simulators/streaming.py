@@ -100,7 +100,7 @@ class Stream:
             In the vehicles' own frames, in space.
         """
         with self._lock:
-            self._program, self._samples = (begun, reference), []
+            self._program = begun, reference
 
     def hold(self, places: Matrix) -> None:
         """Steer for places and stay there.
@@ -113,7 +113,7 @@ class Stream:
         self.follow(self._clock(), Reference(places, np.zeros_like(places), np.zeros_like(places)))
 
     def visited(self) -> tuple[Vector, Tensor]:
-        """Return when and where all vehicles were since they follow what they do.
+        """Return when and where all vehicles were since this was last asked, decisions included.
 
         Returns
         -------
@@ -123,7 +123,7 @@ class Stream:
             In their own frames [m].
         """
         with self._lock:
-            samples = list(self._samples)
+            samples, self._samples = self._samples, []
         places = np.array([place for _, place in samples]).reshape(-1, len(self._links), 3)
         return np.array([moment for moment, _ in samples], dtype=np.float64), places
 
