@@ -99,6 +99,21 @@ def test_setpoints_are_streamed_while_a_decision_takes_its_time() -> None:
     assert not any(vehicle.lost_setpoints for vehicle in vehicles)
 
 
+@pytest.mark.slow
+def test_the_first_step_is_flown_whole_however_long_its_decision_takes() -> None:
+    vehicles = pair()
+    system = AIR.vehicles[0].system
+    with in_the_air(*vehicles):
+        backend = over(vehicles)
+        states, _ = backend.reset()
+        time.sleep(2.0 * AIR.dt)
+        after, _ = backend.advance(asked(AIR, states, [2.0, 1.0]))
+        backend.close()
+    hoped = [system.A @ x + system.B @ [2.0, 1.0] for x in states]
+    # A step that is not flown would leave 0.8 m/s.
+    assert np.abs(np.array(after) - hoped)[:, 2:].max() < 0.5
+
+
 @pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(

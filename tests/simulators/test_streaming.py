@@ -93,3 +93,14 @@ def test_where_vehicles_are_while_a_decision_is_made_is_looked_at_once() -> None
     assert places.shape == (len(first), 1, 3)
     assert not {1.0, 2.0, 3.0} & set(second.tolist())
     assert 5.0 in second
+
+
+def test_without_a_decision_a_vehicle_goes_on_for_a_step_and_stays_there() -> None:
+    with streamed() as (stream, link, clock):
+        stream.follow(0.0, REFERENCE)
+        going = at(1.5 * DT, link, clock)
+        staying = [at(moment, link, clock) for moment in (2.0 * DT + 0.1, 5.0 * DT)]
+    assert [part.tolist() for part in going] == [[8.5, 0.0, 5.0], [4.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+    for setpoint in staying:
+        parts = [part.tolist() for part in setpoint]
+        assert parts == [[13.0, 0.0, 5.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]

@@ -163,8 +163,9 @@ class Mavlink:
         if self._stream is None:
             raise LinkError("not in command of the vehicles: call reset before advance")
         stream, dt = self._stream, self._scenario.dt
-        # A decision that took longer than its step delays all that follow.
-        begun = max(self._begun, self._clock() - dt)
+        # Vehicles wait at their starts for the first decision. Later ones find them in the air,
+        # where they went on meanwhile: one that took longer than its step delays all that follow.
+        begun = max(self._begun, self._clock() - dt) if self._step else self._clock()
         stream.follow(begun, self._own(Reference.of(segments)))
         self._step += 1
         self._begun = begun + dt

@@ -34,7 +34,7 @@ class Stream:
     period : float
         Between setpoints [s].
     dt : float
-        Step [s]: beyond another one a reference is no longer followed.
+        Step [s]: a reference is followed for another one, and then vehicles stay where it led.
     patience : float
         Longest silence, and longest wait for anything [s].
     clock, sleep : callable
@@ -247,10 +247,13 @@ class Stream:
             return
         now = self._clock()
         begun, reference = self._program
-        # Beyond the step and another one it is nobody's plan any more.
         places, velocities = reference.at(min(now - begun, 2.0 * self._dt))
+        pushes = reference.accelerations
+        if now - begun > 2.0 * self._dt:
+            # Beyond the step and another one it is nobody's plan any more: stay there.
+            velocities, pushes = np.zeros_like(velocities), np.zeros_like(pushes)
         for i, link in enumerate(self._links):
-            link.steer(places[i], velocities[i], reference.accelerations[i])
+            link.steer(places[i], velocities[i], pushes[i])
         fixes = [link.fix for link in self._links]
         if all(fix is not None and now - fix.time < STALE for fix in fixes):
             where = np.array([fix.at(now) for fix in fixes if fix is not None])
