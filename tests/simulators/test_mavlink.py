@@ -68,6 +68,8 @@ def test_vehicles_follow_their_segments_and_hold_at_the_end() -> None:
         states, contacts = backend.reset()
         # From 3 m beside its start it was brought there.
         assert np.abs(states[0][:2]).max() < 0.6
+        # There it has come to rest: it does not only fly by.
+        assert np.abs(states[0][2:]).max() < 0.6
         for control in controls:
             after, more = backend.advance(asked(AIR, states, control))
             contacts = (*contacts, *more)

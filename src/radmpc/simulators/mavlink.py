@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ArgumentError
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.scenario import Scenario
@@ -25,6 +25,9 @@ _BEFORE = 0.5
 
 _CLOSE = 0.5
 """Distance from its start at which a vehicle is there [m]."""
+
+_SLOW = 0.5
+"""Speed up to which it is there, and does not only fly by [m/s]."""
 
 
 class Mavlink:
@@ -129,7 +132,7 @@ class Mavlink:
             goals = self._starts - self._homes
             stream.hold(goals)
             stream.wait_for(
-                lambda i: bool(np.linalg.norm(stream.measured()[0][i] - goals[i]) < _CLOSE),
+                lambda i: _is_at(goals[i], *(part[i] for part in stream.measured())),
                 "does not get to its start",
             )
         except LinkError:
@@ -235,6 +238,11 @@ class Mavlink:
             return rows
         third = self._height if height is None else height
         return np.column_stack([rows, np.full(len(rows), third)])
+
+
+def _is_at(goal: Vector, place: Vector, velocity: Vector) -> bool:
+    """Whether a vehicle is where it should be, and nearly at rest; not a number is no."""
+    return bool(np.linalg.norm(place - goal) < _CLOSE and np.linalg.norm(velocity) < _SLOW)
 
 
 def _parsed(address: str, count: int) -> tuple[str, int]:
