@@ -15,7 +15,7 @@ pytest.importorskip("pymavlink", reason="needs: pip install 'radmpc[mavlink]'")
 from px4 import HOLD, Px4, free_port, in_the_air
 from pymavlink.dialects.v20 import common
 
-from radmpc.errors import ArgumentError, ScenarioError
+from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
 from radmpc.simulators import mavlink
 from radmpc.simulators.link import LinkError
 from radmpc.simulators.mavlink import Mavlink
@@ -238,10 +238,12 @@ def test_without_pymavlink_its_extra_is_named(monkeypatch: pytest.MonkeyPatch) -
         ({"homes": "here"}, "homes must be 'origin' or 'starts', got 'here'"),
         ({"rate": "1"}, "rate must be from 5 to 200 1/s, got 1"),
         ({"patience": "long"}, "patience must be a number, got 'long'"),
+        ({"clock": "1"}, "clock must be a function, got '1'"),
+        ({"sleep": "1"}, "sleep must be a function, got '1'"),
     ],
 )
 def test_what_is_no_way_to_speak_is_refused(options: dict[str, object], line: str) -> None:
-    with pytest.raises(ArgumentError) as caught:
+    with pytest.raises((ArgumentError, ArgumentTypeError)) as caught:
         Mavlink(AIR, **options)  # type: ignore[arg-type] # of any kind
     assert line in str(caught.value)
 

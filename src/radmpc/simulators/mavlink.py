@@ -7,8 +7,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from radmpc.arguments import value_text
 from radmpc.arrays import Matrix, Vector
-from radmpc.errors import ArgumentError
+from radmpc.errors import ArgumentError, ArgumentTypeError
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.scenario import Scenario
 from radmpc.simulators.link import Link, LinkError
@@ -83,6 +84,7 @@ class Mavlink:
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
         del rng
+        _check_functions(clock=clock, sleep=sleep)
         check_simulated(scenario, "vehicles over MAVLink")
         loaded("pymavlink.dialects.v20.common", "mavlink")
         self._host, self._port = _parsed(address, scenario.num_vehicles)
@@ -238,6 +240,13 @@ class Mavlink:
             return rows
         third = self._height if height is None else height
         return np.column_stack([rows, np.full(len(rows), third)])
+
+
+def _check_functions(**functions: object) -> None:
+    """Refuse what cannot be called, as options of a command line cannot."""
+    for name, function in functions.items():
+        if not callable(function):
+            raise ArgumentTypeError(f"{name} must be a function, got {value_text(function)}")
 
 
 def _is_at(goal: Vector, place: Vector, velocity: Vector) -> bool:
