@@ -161,3 +161,22 @@ def test_white_noise_for_colored_leads_to_deviations_at_least_as_large() -> None
 def test_none_but_a_number_of_flights_is_flown(hopeful: Plan) -> None:
     with pytest.raises(ArgumentError, match=r"^missions must be an integer >= 1, got 0$"):
         calibrate(hopeful, boats, missions=0, day="2026-01-01")
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ArgumentError])
+def test_what_a_plan_is_flown_with_is_closed_also_if_that_is_interrupted(
+    hopeful: Plan, error: type[BaseException]
+) -> None:
+    class Vehicles(Model):
+        closed = 0
+
+        def advance(self, segments: Any) -> Any:
+            raise error
+
+        def close(self) -> None:
+            self.closed += 1
+
+    vehicles = Vehicles(hopeful.scenario, 0)
+    with pytest.raises(error):
+        flown(hopeful, lambda scenario, rng: vehicles, 2, 0)
+    assert vehicles.closed == 1

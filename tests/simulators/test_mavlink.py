@@ -15,7 +15,7 @@ pytest.importorskip("pymavlink", reason="needs: pip install 'radmpc[mavlink]'")
 from px4 import HOLD, Px4, free_port, in_the_air
 from pymavlink.dialects.v20 import common
 
-from radmpc.errors import ArgumentError, ScenarioError
+from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
 from radmpc.simulators import mavlink
 from radmpc.simulators.link import LinkError
 from radmpc.simulators.mavlink import Mavlink
@@ -68,6 +68,8 @@ def test_vehicles_follow_their_segments_and_hold_at_the_end() -> None:
         states, contacts = backend.reset()
         # From 3 m beside its start it was brought there.
         assert np.abs(states[0][:2]).max() < 0.6
+        # There it has come to rest: it does not only fly by.
+        assert np.abs(states[0][2:]).max() < 0.6
         for control in controls:
             after, more = backend.advance(asked(AIR, states, control))
             contacts = (*contacts, *more)
@@ -97,6 +99,21 @@ def test_setpoints_are_streamed_while_a_decision_takes_its_time() -> None:
         assert hover(backend, 1) == [[True, True]]
         backend.close()
     assert not any(vehicle.lost_setpoints for vehicle in vehicles)
+
+
+@pytest.mark.slow
+def test_the_first_step_is_flown_whole_however_long_its_decision_takes() -> None:
+    vehicles = pair()
+    system = AIR.vehicles[0].system
+    with in_the_air(*vehicles):
+        backend = over(vehicles)
+        states, _ = backend.reset()
+        time.sleep(2.0 * AIR.dt)
+        after, _ = backend.advance(asked(AIR, states, [2.0, 1.0]))
+        backend.close()
+    hoped = [system.A @ x + system.B @ [2.0, 1.0] for x in states]
+    # A step that is not flown would leave 0.8 m/s.
+    assert np.abs(np.array(after) - hoped)[:, 2:].max() < 0.5
 
 
 @pytest.mark.sampled(2)
@@ -221,10 +238,12 @@ def test_without_pymavlink_its_extra_is_named(monkeypatch: pytest.MonkeyPatch) -
         ({"homes": "here"}, "homes must be 'origin' or 'starts', got 'here'"),
         ({"rate": "1"}, "rate must be from 5 to 200 1/s, got 1"),
         ({"patience": "long"}, "patience must be a number, got 'long'"),
+        ({"clock": "1"}, "clock must be a function, got '1'"),
+        ({"sleep": "1"}, "sleep must be a function, got '1'"),
     ],
 )
 def test_what_is_no_way_to_speak_is_refused(options: dict[str, object], line: str) -> None:
-    with pytest.raises(ArgumentError) as caught:
+    with pytest.raises((ArgumentError, ArgumentTypeError)) as caught:
         Mavlink(AIR, **options)  # type: ignore[arg-type] # of any kind
     assert line in str(caught.value)
 

@@ -11,28 +11,11 @@ import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.errors import RadmpcError
-from radmpc.records import dataclass
+from radmpc.simulators.fix import Fix
 from radmpc.simulators.optional import loaded
+from radmpc.simulators.px4_modes import MODES, OFFBOARD, PX4, mode_text
 
-__all__ = ["Fix", "Link", "LinkError"]
-
-_PX4 = 12
-"""MAV_AUTOPILOT_PX4 [-]."""
-
-_MODES = {"offboard": (6, 0), "hold": (4, 3)}
-"""PX4's main and sub modes [-]."""
-
-_OFFBOARD = _MODES["offboard"][0]
-
-_MODE_NAMES = {
-    1: "manual",
-    2: "altitude control",
-    3: "position control",
-    5: "acro",
-    7: "stabilized",
-}
-_AUTO, _AUTO_NAMES = 4, {2: "takeoff", 3: "hold", 4: "mission", 5: "return", 6: "land"}
-"""Of main modes, and of the sub modes of one, for messages."""
+__all__ = ["Link", "LinkError"]
 
 _USE_ALL_BUT_YAW = 0b1100_0000_0000
 """POSITION_TARGET_TYPEMASK: position, velocity and acceleration count [-]."""
@@ -46,33 +29,6 @@ _GROUND_STATION = 255, 190
 
 class LinkError(RadmpcError):
     """A vehicle that is not heard, refuses, or does not get where it must begin."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Fix:
-    """Where a vehicle said it was.
-
-    Attributes
-    ----------
-    time : float
-        When it was heard, by the clock [s].
-    position, velocity : (3,) array
-        East, north, up of its local origin [m], [m/s].
-    """
-
-    time: float
-    position: Vector
-    velocity: Vector
-
-    def at(self, moment: float) -> Vector:
-        """Return the position at another moment, carried on by the velocity, (3,) [m].
-
-        Parameters
-        ----------
-        moment : float
-            By the same clock [s].
-        """
-        return np.asarray(self.position + (moment - self.time) * self.velocity)
 
 
 class Link:
@@ -103,6 +59,9 @@ class Link:
         Whether it is in offboard mode, by its last heartbeat.
     is_armed : bool
         Whether its motors run, by its last heartbeat.
+    is_watched : bool
+        Whether it flies what is streamed. What others send to its port is ignored from then
+        on; before, it is not clear which of them is the vehicle.
 
     Raises
     ------
@@ -136,7 +95,7 @@ class Link:
         self._mode, self._asked = (0, 0), ""
         self.fix: Fix | None = None
         self.heard = float("-inf")
-        self.is_ours = self.is_offboard = self.is_armed = False
+        self.is_ours = self.is_offboard = self.is_armed = self.is_watched = False
 
     def close(self) -> None:
         """Close the socket."""
@@ -156,35 +115,56 @@ class Link:
         """Take one message of the vehicle."""
         kind, now = message.get_type(), self._clock()
         sender = message.get_srcSystem(), message.get_srcComponent()
+        is_other = (peer, sender) != (self._peer, self._target)
         if kind == "HEARTBEAT" and sender[1] == self._dialect.MAV_COMP_ID_AUTOPILOT1:
-            if message.autopilot != _PX4:
-                raise LinkError(
-                    f"vehicle {self.name!r}: must be flown by PX4 (autopilot 12), "
-                    f"got autopilot {message.autopilot}"
-                )
+            if is_other and self.is_watched:
+                return
+            self._check_beat(message, peer)
             self._peer, self._target, self.heard = peer, sender, now
             self._mode = (message.custom_mode >> 16) & 0xFF, (message.custom_mode >> 24) & 0xFF
-            self.is_ours = self.is_offboard = self._mode[0] == _OFFBOARD
+            self.is_ours = self.is_offboard = self._mode[0] == OFFBOARD
             self.is_armed = bool(message.base_mode & self._dialect.MAV_MODE_FLAG_SAFETY_ARMED)
-        elif sender != self._target:
+        elif is_other:
             return
         elif kind == "LOCAL_POSITION_NED":
-            place = _NORTH_EAST_DOWN @ [message.x, message.y, message.z]
-            speed = _NORTH_EAST_DOWN @ [message.vx, message.vy, message.vz]
-            if np.all(np.isfinite([place, speed])):
-                self.fix, self.heard = Fix(now, place, speed), now
+            self._take_place(message)
         elif kind == "COMMAND_ACK":
             self._answers[message.command] = message.result
             is_accepted = message.result == self._dialect.MAV_RESULT_ACCEPTED
             if message.command == self._command("offboard") and is_accepted:
                 self.is_ours = self._asked == "offboard"
 
+    def _take_place(self, message: Any) -> None:
+        """Take a position, unless it is no number, came twice, or a later one came before it."""
+        m, now = message, self._clock()
+        numbers = np.array([[m.x, m.y, m.z], [m.vx, m.vy, m.vz]])
+        is_later = self.fix is None or self.fix.is_before(m.time_boot_ms)
+        if is_later and np.isfinite(numbers).all():
+            place, speed = numbers @ _NORTH_EAST_DOWN
+            self.fix, self.heard = Fix(now, place, speed, m.time_boot_ms), now
+
+    def _check_beat(self, message: Any, peer: tuple[str, int]) -> None:
+        """Refuse what is not flown by PX4, and a second vehicle on the port."""
+        if message.autopilot != PX4:
+            raise LinkError(
+                f"vehicle {self.name!r}: must be flown by PX4 (autopilot 12), "
+                f"got autopilot {message.autopilot}"
+            )
+        system, known = message.get_srcSystem(), self._target[0]
+        if self._peer is not None and (peer, system) != (self._peer, known):
+            first, second = (
+                f"system {number} from {host}:{port}"
+                for number, (host, port) in ((known, self._peer), (system, peer))
+            )
+            raise LinkError(
+                f"vehicle {self.name!r}: {self.address} must be one vehicle's, "
+                f"got {first} and {second}"
+            )
+
     @property
     def mode(self) -> str:
         """The name of the mode that its last heartbeat said, for messages."""
-        main, sub = self._mode
-        name = _AUTO_NAMES.get(sub) if main == _AUTO else _MODE_NAMES.get(main)
-        return name or f"mode {main}, {sub}"
+        return mode_text(*self._mode)
 
     def beat(self) -> None:
         """Send a heartbeat once a second."""
@@ -228,7 +208,7 @@ class Link:
             parts = 1.0, 0.0, 0.0
         else:
             self._asked = what
-            main, sub = _MODES[what]
+            main, sub = MODES[what]
             parts = 1.0, float(main), float(sub)
         self._send(
             self._dialect.MAVLink_command_long_message(

@@ -7,8 +7,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from radmpc.arrays import Matrix
-from radmpc.errors import ArgumentError
+from radmpc.arguments import value_text
+from radmpc.arrays import Matrix, Vector
+from radmpc.errors import ArgumentError, ArgumentTypeError
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.scenario import Scenario
 from radmpc.simulators.link import Link, LinkError
@@ -25,6 +26,9 @@ _BEFORE = 0.5
 
 _CLOSE = 0.5
 """Distance from its start at which a vehicle is there [m]."""
+
+_SLOW = 0.5
+"""Speed up to which it is there, and does not only fly by [m/s]."""
 
 
 class Mavlink:
@@ -80,6 +84,7 @@ class Mavlink:
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
         del rng
+        _check_functions(clock=clock, sleep=sleep)
         check_simulated(scenario, "vehicles over MAVLink")
         loaded("pymavlink.dialects.v20.common", "mavlink")
         self._host, self._port = _parsed(address, scenario.num_vehicles)
@@ -129,12 +134,13 @@ class Mavlink:
             goals = self._starts - self._homes
             stream.hold(goals)
             stream.wait_for(
-                lambda i: bool(np.linalg.norm(stream.measured()[0][i] - goals[i]) < _CLOSE),
+                lambda i: _is_at(goals[i], *(part[i] for part in stream.measured())),
                 "does not get to its start",
             )
         except LinkError:
             self.close()
             raise
+        stream.visited()  # on the way to the start nothing counts
         self._begun = self._clock()
         states, places = self._states(stream)
         return states, self._surroundings.at_start(places)
@@ -162,8 +168,9 @@ class Mavlink:
         if self._stream is None:
             raise LinkError("not in command of the vehicles: call reset before advance")
         stream, dt = self._stream, self._scenario.dt
-        # A decision that took longer than its step delays all that follow.
-        begun = max(self._begun, self._clock() - dt)
+        # Vehicles wait at their starts for the first decision. Later ones find them in the air,
+        # where they went on meanwhile: one that took longer than its step delays all that follow.
+        begun = max(self._begun, self._clock() - dt) if self._step else self._clock()
         stream.follow(begun, self._own(Reference.of(segments)))
         self._step += 1
         self._begun = begun + dt
@@ -233,6 +240,18 @@ class Mavlink:
             return rows
         third = self._height if height is None else height
         return np.column_stack([rows, np.full(len(rows), third)])
+
+
+def _check_functions(**functions: object) -> None:
+    """Refuse what cannot be called, as options of a command line cannot."""
+    for name, function in functions.items():
+        if not callable(function):
+            raise ArgumentTypeError(f"{name} must be a function, got {value_text(function)}")
+
+
+def _is_at(goal: Vector, place: Vector, velocity: Vector) -> bool:
+    """Whether a vehicle is where it should be, and nearly at rest; not a number is no."""
+    return bool(np.linalg.norm(place - goal) < _CLOSE and np.linalg.norm(velocity) < _SLOW)
 
 
 def _parsed(address: str, count: int) -> tuple[str, int]:

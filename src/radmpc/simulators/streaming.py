@@ -34,7 +34,7 @@ class Stream:
     period : float
         Between setpoints [s].
     dt : float
-        Step [s]: beyond another one a reference is no longer followed.
+        Step [s]: a reference is followed for another one, and then vehicles stay where it led.
     patience : float
         Longest silence, and longest wait for anything [s].
     clock, sleep : callable
@@ -55,7 +55,6 @@ class Stream:
         self._lock = threading.RLock()
         self._stopped = threading.Event()
         self._failure: LinkError | None = None
-        self._is_watched = False
         self._program: tuple[float, Reference] | None = None
         self._samples: list[tuple[float, Matrix]] = []
         self._thread = threading.Thread(target=self._run, name="mavlink", daemon=True)
@@ -86,7 +85,9 @@ class Stream:
             lambda i: links[i].is_offboard, "accepts offboard mode, and does not enter it"
         )
         self.wait_for(lambda i: links[i].is_armed, "accepts arming, and is not armed")
-        self._is_watched = True
+        with self._lock:
+            for link in links:
+                link.is_watched = True
 
     def follow(self, begun: float, reference: Reference) -> None:
         """Steer along a reference from now on.
@@ -99,7 +100,7 @@ class Stream:
             In the vehicles' own frames, in space.
         """
         with self._lock:
-            self._program, self._samples = (begun, reference), []
+            self._program = begun, reference
 
     def hold(self, places: Matrix) -> None:
         """Steer for places and stay there.
@@ -112,7 +113,7 @@ class Stream:
         self.follow(self._clock(), Reference(places, np.zeros_like(places), np.zeros_like(places)))
 
     def visited(self) -> tuple[Vector, Tensor]:
-        """Return when and where all vehicles were since they follow what they do.
+        """Return when and where all vehicles were since this was last asked, decisions included.
 
         Returns
         -------
@@ -122,7 +123,7 @@ class Stream:
             In their own frames [m].
         """
         with self._lock:
-            samples = list(self._samples)
+            samples, self._samples = self._samples, []
         places = np.array([place for _, place in samples]).reshape(-1, len(self._links), 3)
         return np.array([moment for moment, _ in samples], dtype=np.float64), places
 
@@ -235,21 +236,24 @@ class Stream:
         for link in self._links:
             link.receive()
             link.beat()
-            if self._is_watched and not link.is_offboard:
+            if link.is_watched and not link.is_offboard:
                 raise LinkError(
                     f"vehicle {link.name!r}: left offboard mode ({link.mode}): a pilot or a "
                     "failsafe has taken over"
                 )
-            if self._is_watched and not link.is_armed:
+            if link.is_watched and not link.is_armed:
                 raise LinkError(f"vehicle {link.name!r}: was disarmed")
         if self._program is None:
             return
         now = self._clock()
         begun, reference = self._program
-        # Beyond the step and another one it is nobody's plan any more.
         places, velocities = reference.at(min(now - begun, 2.0 * self._dt))
+        pushes = reference.accelerations
+        if now - begun > 2.0 * self._dt:
+            # Beyond the step and another one it is nobody's plan any more: stay there.
+            velocities, pushes = np.zeros_like(velocities), np.zeros_like(pushes)
         for i, link in enumerate(self._links):
-            link.steer(places[i], velocities[i], reference.accelerations[i])
+            link.steer(places[i], velocities[i], pushes[i])
         fixes = [link.fix for link in self._links]
         if all(fix is not None and now - fix.time < STALE for fix in fixes):
             where = np.array([fix.at(now) for fix in fixes if fix is not None])

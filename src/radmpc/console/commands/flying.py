@@ -17,7 +17,7 @@ from radmpc.console.running.guard import Code
 from radmpc.console.running.interrupt import stop_on_interrupt
 from radmpc.errors import ArgumentError, FileFormatError, NoPlanError, RiskError, ScenarioError
 from radmpc.flying.backends import backend_named
-from radmpc.flying.recording.campaign import begin_flight, resume_flight
+from radmpc.flying.recording.campaign import begin_flight, may_go_on, resume_flight
 from radmpc.flying.recording.summary import FlightSummary, summary_of
 from radmpc.io.flight.flight_file import is_flight, load_flight
 from radmpc.io.flight.record import FlightRecord, FlightSettings
@@ -92,10 +92,9 @@ def run_fly(request: FlyRequest) -> int:
     goes_on = is_flight(request.source)
     if goes_on:
         _check_nothing_new(request)
-    keeps = "what was flown"
     with (
         stop_on_interrupt("finishing this tick, what was flown is kept") as is_stopped,
-        progress_line(keeps=keeps, tell=note) as line,
+        progress_line(keeps="what was flown", tell=note) as line,
     ):
         if goes_on:
             begun = load_flight(request.source)
@@ -110,7 +109,11 @@ def run_fly(request: FlyRequest) -> int:
     else:
         show(*flight_report(record, summary))
     _write(record, request)
-    return _conclude(request, summary, was_interrupted)
+    if was_interrupted and summary.missions < summary.asked:
+        _tell_interrupted(request, record, summary)
+        if not summary.missions:
+            return Code.NO
+    return _conclude(summary)
 
 
 class _Progress:
@@ -184,9 +187,9 @@ def _check_over(path: Path) -> None:
     except FileFormatError:
         return
     if sum(mission.is_over for mission in record.missions) < record.settings.missions:
+        further = f"go on with 'radmpc fly {path}', or " if may_go_on(record) else ""
         raise OutputError(
-            f"cannot write {path}: it holds a flight that is not over; go on with "
-            f"'radmpc fly {path}', or remove it"
+            f"cannot write {path}: it holds a flight that is not over; {further}remove it"
         )
 
 
@@ -276,15 +279,21 @@ def _write(record: FlightRecord, request: FlyRequest) -> None:
         show("", *lines)
 
 
-def _conclude(request: FlyRequest, summary: FlightSummary, was_interrupted: bool) -> Code:
+def _tell_interrupted(request: FlyRequest, record: FlightRecord, summary: FlightSummary) -> None:
+    """Say on stderr how far a flight got, and how it goes on if it can."""
+    over = f"{summary.missions} of {summary.asked} missions are over"
+    path = request.source if is_flight(request.source) else request.output
+    if path is None:
+        further = ""
+    elif may_go_on(record):
+        further = f"; go on with 'radmpc fly {path}'"
+    else:
+        further = f"; {record.settings.backend} cannot go on in the middle of a mission"
+    note(f"interrupted: {over}{further}")
+
+
+def _conclude(summary: FlightSummary) -> Code:
     """Say on stderr what speaks against the flight, and return the exit code."""
-    if was_interrupted and summary.missions < summary.asked:
-        over = f"{summary.missions} of {summary.asked} missions are over"
-        path = request.source if is_flight(request.source) else request.output
-        further = "" if path is None else f"; go on with 'radmpc fly {path}'"
-        note(f"interrupted: {over}{further}")
-        if not summary.missions:
-            return Code.NO
     if summary.contradiction is not None:
         note(summary.contradiction)
         return Code.NO

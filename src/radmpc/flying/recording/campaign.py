@@ -24,7 +24,7 @@ from radmpc.planning import check_takes
 from radmpc.solvers.solution import never
 from radmpc.version import __version__
 
-__all__ = ["Progress", "begin_flight", "check_replan", "resume_flight"]
+__all__ = ["Progress", "begin_flight", "check_replan", "may_go_on", "resume_flight"]
 
 Progress = Callable[[int, int], None]
 """Takes the number of the mission and its step, of every tick."""
@@ -220,10 +220,22 @@ def _fly(
         _close(backend)
 
 
+def may_go_on(record: FlightRecord) -> bool:
+    """Whether what a flight is flown with can come to where it was: vehicles have moved on.
+
+    Parameters
+    ----------
+    record : FlightRecord
+        The flight so far.
+    """
+    is_between = all(mission.is_over for mission in record.missions)
+    return is_between or backend_named(record.settings.backend).repeats
+
+
 def _check_repeats(record: FlightRecord) -> None:
     """Refuse to go on with a mission whose vehicles are not where they were."""
-    under_way = [mission for mission in record.missions if not mission.is_over]
-    if under_way and not backend_named(record.settings.backend).repeats:
+    if not may_go_on(record):
+        under_way = [mission for mission in record.missions if not mission.is_over]
         raise FileFormatError(
             f"cannot go on: {record.settings.backend} does not repeat the {len(under_way[0].rows)} "
             f"steps of mission {under_way[0].number + 1}, the vehicles have moved on"

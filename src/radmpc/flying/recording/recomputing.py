@@ -216,6 +216,7 @@ def _flown(
     if row.step == scenario.horizon or not row.controls:
         if bool(row.controls) or row.step < scenario.horizon:
             state.problems.append(f"{where}: controls must end with step {scenario.horizon - 1}")
+        _compare(state, where, {"saturation": (row.excess, 0.0)})
         return (), 0
     asked = state.leg.controls(row.step, known)
     held = [within_limits(v, u) for u, v in zip(asked, scenario.vehicles, strict=True)]

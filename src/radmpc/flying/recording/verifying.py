@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from radmpc.errors import RadmpcError
 from radmpc.flying.model import Model
 from radmpc.flying.recording.recomputing import recomputed
@@ -39,7 +41,9 @@ def flight_problems(record: FlightRecord) -> tuple[str, ...]:
     problems += certificate.problems
     if not certificate.problems:
         for due, mission in enumerate(record.missions):
-            problems += _mission_problems(record, mission, due)
+            # States that are made up may be too large to be squared: what follows is infinite.
+            with np.errstate(over="ignore", invalid="ignore"):
+                problems += _mission_problems(record, mission, due)
     if len(record.missions) > record.settings.missions:
         problems.append(
             f"{len(record.missions)} missions were flown, {record.settings.missions} asked for"

@@ -84,10 +84,15 @@ def flown(
     check_integer(seed, "seed", 0)
     backend = making(plan.scenario, np.random.default_rng(seed))
     made = []
-    for number in range(missions):
-        made.append(fly(Mission(plan, planner=None), backend))
-        if progress is not None:
-            progress(number + 1)
+    try:
+        for number in range(missions):
+            made.append(fly(Mission(plan, planner=None), backend))
+            if progress is not None:
+                progress(number + 1)
+    finally:
+        # Also on Ctrl-C: vehicles are commanded to hold.
+        if callable(close := getattr(backend, "close", None)):
+            close()
     return tuple(made)
 
 
