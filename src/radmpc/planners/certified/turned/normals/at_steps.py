@@ -65,7 +65,7 @@ def beside_vehicles(
 
     def line(paths: Paths) -> tuple[Matrix, Matrix]:
         end = paths.means[first, step] - paths.means[second, step]
-        return end, line_of_approach(end, distance, lambda: _ways(paths, pairing, end))
+        return end, line_of_approach(end, distance, lambda: _motions(paths, pairing, end))
 
     end, normals = line(both[0])
     if is_refined and first.size:
@@ -75,7 +75,7 @@ def beside_vehicles(
     return _laid_out(pairing, normals, end, (distance, deviations), keys)
 
 
-def _ways(paths: Paths, pairing: _Who, end: Matrix) -> tuple[Matrix, Vector]:
+def _motions(paths: Paths, pairing: _Who, end: Matrix) -> tuple[Matrix, Vector]:
     """Return how pairs move over their windows, and which way they part where neither moves."""
     first, second, window = pairing
     start = paths.means[first, window] - paths.means[second, window]
