@@ -107,6 +107,8 @@ class Mavlink:
     def reset(self) -> tuple[States, tuple[Contact, ...]]:
         """Find the vehicles, take command, arm them, and bring them to their starts.
 
+        They go there in straight lines, all at once: nothing is planned for that way.
+
         Returns
         -------
         states : tuple of (n,) array
