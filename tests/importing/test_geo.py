@@ -165,19 +165,6 @@ def test_unknown_properties_and_heights_are_told(tmp_path: Path) -> None:
     )
 
 
-def test_properties_of_features_that_do_not_have_them_are_told(tmp_path: Path) -> None:
-    # A buoy's radius of 20 m would otherwise vanish, and a start's hour.
-    content = drawing(
-        point(0.2, 0.4, role="obstacle", name="buoy", radius=20, height=None),
-        point(-0.5, 0.3, role="start", vehicle="b", after=30),
-        point(0.5, -0.3, role="goal", vehicle="b", after=30, speed=1),
-        point(0.3, 0.3, role="via", vehicle="b", acceleration=2, speed=1, order=1),
-    )
-    assert import_scenario(written(tmp_path, content)).warnings == (
-        "properties without effect: acceleration of a via, after of a start, radius of an obstacle",
-    )
-
-
 def test_long_sides_are_told(tmp_path: Path) -> None:
     far = polygon([(-60, 10), (60, 10), (60, 20)])
     result = import_scenario(written(tmp_path, drawing(far)))
