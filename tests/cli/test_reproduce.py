@@ -88,6 +88,21 @@ def test_reports_of_no_rows_are_refused_and_make_no_folder(run, tmp_path):
     assert not (tmp_path / "study").exists()
 
 
+def test_a_report_of_another_cap_than_that_of_the_rows_replaces_none(run, tmp_path):
+    row = run_task(Task("certified", PRESETS["certified"].planner, 2, 0, 10, 120.0))
+    (tmp_path / "study").mkdir()
+    with Journal.opened(tmp_path / "study" / "rows.jsonl") as journal:
+        journal.append(row)
+    (tmp_path / "study" / "report.md").write_text("of hours", encoding="utf-8")
+    result = run("reproduce", "--out", "study", "--report-only")
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "radmpc: study/rows.jsonl: must have rows of a cap of 60 s, got those of 120 s: state "
+        "that cap\n"
+    )
+    assert (tmp_path / "study" / "report.md").read_text(encoding="utf-8") == "of hours"
+
+
 def test_a_study_whose_folder_is_a_file_is_refused_by_that_reason(run, tmp_path):
     (tmp_path / "study").write_text("mine", encoding="utf-8")
     for words in ([], ["--report-only"]):

@@ -166,6 +166,17 @@ def test_layers_are_a_property_a_collection_or_a_file(tmp_path: Path) -> None:
         assert [o.name for o in scenario.obstacles] == names
 
 
+def test_files_of_one_name_are_one_layer_and_the_second_one_of_its_own(tmp_path: Path) -> None:
+    charts = [chart(tmp_path, "fleet.geojson", *ends("a", 0.0))]
+    for i, folder in enumerate(("north", "south")):
+        (tmp_path / folder).mkdir()
+        mole = block(0.0, 0.2 + 0.2 * i, name=folder)
+        charts.append(chart(tmp_path / folder, "land.geojson", mole))
+    for layer, names in (("land", ["north", "south"]), ("land_2", ["south"])):
+        imported = import_scenario(charts, ImportOptions(layer=["fleet", layer]))
+        assert [obstacle.name for obstacle in imported.scenario.obstacles] == names
+
+
 def test_a_layer_that_is_nowhere_is_refused_with_those_there_are(tmp_path: Path) -> None:
     one = chart(tmp_path, "one.geojson", *ends("a", 0.0), name="plan")
     with pytest.raises(FileFormatError, match="layer: must be one of 'one', 'plan', got 'shor'"):

@@ -157,7 +157,7 @@ def test_who_passes_through_needs_no_way_around(tmp_path: Path) -> None:
     area = feature("Polygon", [ring], role="area")
     shut = feature("LineString", [place(0, -1), place(0, 1)], name="bar", role="obstacle")
     everybody = drawn(tmp_path, area, vehicle("boat", 0.4), shut)
-    assert "hulls were reduced" in everybody.warnings[0]
+    assert "between start and goal of 'boat' a hull of" in everybody.warnings[0]
     shut["properties"]["for"] = "barge"
     barge = vehicle("barge", 0.0)
     barge[1]["geometry"]["coordinates"] = place(-0.1, 0.0)

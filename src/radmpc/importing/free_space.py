@@ -8,13 +8,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 import shapely
 from scipy import ndimage
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components, dijkstra
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.geometry import planar
+from radmpc.geometry.lattice import barred_moves, neighbors
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.model.relations.concerns import concerned
 from radmpc.records import dataclass
@@ -37,7 +39,6 @@ _BORDER = 10.0
 _HALVINGS = 7
 """Bisections of the clearance: it is known to 1/128 of the range searched."""
 
-_NEIGHBORS = ((0, 1), (1, 0), (1, 1), (1, -1))
 _TOUCHING = np.ones((3, 3))
 
 
@@ -72,11 +73,15 @@ class FreeSpace:
         Between neighbors along an axis [m].
     distances : (p, q) array
         From each point to the nearest obstacle or to bounds that hold hulls, 0 within [m].
+    barred : (4, p, q) bool array or None
+        Whether an obstacle, which may be thin, stands between a point outside all of them and its
+        neighbor of that number outside all of them; None where none does.
     """
 
     origin: Vector
     spacing: float
     distances: Matrix
+    barred: npt.NDArray[np.bool_] | None = None
 
     def shortest_path(self, vehicle: ForeignVehicle, target: float) -> FreePath | None:
         """Return the shortest path that keeps the target clearance, or the largest there is.
@@ -128,7 +133,13 @@ class FreeSpace:
 
     def _is_connected(self, vehicle: ForeignVehicle, clearance: float) -> bool:
         """Whether points with this clearance join start and goal."""
-        marks, _ = ndimage.label(self._free(vehicle, clearance), structure=_TOUCHING)
+        free = self._free(vehicle, clearance)
+        if self.barred is not None and vehicle.radius + clearance <= self.spacing:
+            # Neighbors may lie on both sides of a wall: farther from it they are none.
+            _, parts = connected_components(self._graph(free), directed=False)
+            marks = np.where(free, parts.reshape(free.shape) + 1, 0)
+        else:
+            marks, _ = ndimage.label(free, structure=_TOUCHING)
         start = marks[self._nearest(vehicle.start)]
         return bool(start and np.any(marks[self._goal_box(vehicle)] == start))
 
@@ -166,23 +177,24 @@ class FreeSpace:
     def _moves(self, vehicle: ForeignVehicle, clearance: float) -> tuple[Matrix, Indices]:
         """Return how many moves from the start each point is away, and the point before it."""
         free = self._free(vehicle, clearance)
-        index = np.arange(free.size).reshape(free.shape)
+        start = np.asarray(np.ravel_multi_index(self._nearest(vehicle.start), free.shape))
+        moves, before = dijkstra(
+            self._graph(free), directed=False, indices=start, return_predecessors=True
+        )
+        return np.asarray(moves).reshape(free.shape), np.asarray(before, dtype=np.int64)
+
+    def _graph(self, free: npt.NDArray[np.bool_]) -> csr_array[np.float64, tuple[int, int]]:
+        """Return which points a move joins, of those that a vehicle may be at, (p q, p q)."""
         ends: list[tuple[np.ndarray, np.ndarray]] = []
-        for down, right in _NEIGHBORS:
-            first = index[: free.shape[0] - down, max(-right, 0) : free.shape[1] - max(right, 0)]
-            second = index[down:, max(right, 0) : free.shape[1] - max(-right, 0)]
+        for number, (first, second) in enumerate(neighbors(free.shape)):
             both = free.ravel()[first] & free.ravel()[second]
+            if self.barred is not None:
+                both &= ~self.barred[number].ravel()[first]
             ends.append((first[both], second[both]))
         rows = np.concatenate([first for first, _ in ends])
         columns = np.concatenate([second for _, second in ends])
-        graph = coo_array((np.ones(rows.size), (rows, columns)), shape=(free.size, free.size))
-        moves, before = dijkstra(
-            graph.tocsr(),
-            directed=False,
-            indices=index[self._nearest(vehicle.start)],
-            return_predecessors=True,
-        )
-        return np.asarray(moves).reshape(free.shape), np.asarray(before, dtype=np.int64)
+        shape = (free.size, free.size)
+        return coo_array((np.ones(rows.size), (rows, columns)), shape=shape).tocsr()
 
     def _nearest(self, point: Vector) -> tuple[int, int]:
         """Return the index of the grid point nearest to a point."""
@@ -225,7 +237,9 @@ def free_spaces_of(problem: ForeignProblem) -> list[FreeSpace] | None:
             own = [
                 piece for each, is_met in zip(pieces, row, strict=True) if is_met for piece in each
             ]
-            spaces[row.tobytes()] = FreeSpace(origin, spacing, _distances(problem, axes, own))
+            distances = _distances(problem, axes, own)
+            barred = barred_moves(distances, axes, own)
+            spaces[row.tobytes()] = FreeSpace(origin, spacing, distances, barred)
     return [spaces[row.tobytes()] for row in met]
 
 

@@ -15,9 +15,7 @@ from radmpc.console.running.guard import Code
 from radmpc.console.words import scenario_line
 from radmpc.io.native.scenario_file import save_scenario
 from radmpc.model.scenario import Scenario
-from radmpc.planners.endpoints.floors import floors
-from radmpc.planners.endpoints.screening import are_surely_harmless
-from radmpc.planners.presolve import endpoint_reasons, grouped
+from radmpc.planners.presolve import grouped, sure_reasons
 from radmpc.program.build import condensed_models
 
 __all__ = ["run_import"]
@@ -66,9 +64,6 @@ def run_import(sources: Sequence[Path], output: Path, options: Mapping[str, Any]
 
 
 def _no_plan(scenario: Scenario) -> list[str]:
-    """Return why starts and goals alone rule out any plan, as `radmpc check` does."""
-    models = condensed_models(scenario)
-    if are_surely_harmless(scenario, models):
-        return []
-    reasons = endpoint_reasons(scenario, floors(scenario, models))
+    """Return what rules out any plan at first sight, as `radmpc check` does."""
+    reasons = sure_reasons(scenario, condensed_models(scenario))
     return [text for _, text in grouped(scenario, reasons)]

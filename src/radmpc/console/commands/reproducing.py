@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -92,6 +92,8 @@ def run_reproduction(request: StudyRequest) -> int:
     if not request.is_report_only:
         was_interrupted = _run(chosen, path, request)
     rows = read_rows(path)
+    if request.is_report_only:
+        _check_cap(study.cap, {row.cap for row in rows}, path)
     from radmpc.experiments.study.report import (  # noqa: PLC0415 - pictures load slowly
         write_report,
     )
@@ -118,6 +120,15 @@ def _check_folder(path: Path, request: StudyRequest) -> None:
         )
     with writing(request.out):
         request.out.mkdir(parents=True, exist_ok=True)
+
+
+def _check_cap(cap: float, found: Collection[float], path: Path) -> None:
+    """Refuse a report that no row counts in: tables without numbers would replace those there."""
+    if found and cap not in found:
+        caps = " or ".join(f"{one:g}" for one in sorted(found))
+        raise FileFormatError(
+            f"{path}: must have rows of a cap of {cap:g} s, got those of {caps} s: state that cap"
+        )
 
 
 def _study(request: StudyRequest) -> Study:

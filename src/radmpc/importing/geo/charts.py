@@ -32,7 +32,7 @@ class _Kind:
 
     name: str
     recognizes: Callable[[object], bool]
-    features: Callable[[Document, Layers, str], Iterator[Feature]]
+    features: Callable[[Document, Layers, Sequence[str]], Iterator[Feature]]
 
 
 _KINDS = (
@@ -78,9 +78,10 @@ def read_charts(documents: Sequence[Document], layer: Sequence[str] = ()) -> For
     files = distinct((str(i) for i in range(len(documents))), lambda i: _stem(documents[int(i)]))
     drawn: list[list[Feature]] = []
     for i, (kind, document) in enumerate(zip(kinds, documents, strict=True)):
-        stem = files[str(i)]
+        # Files of one name are one layer by that, and each a layer by the name told in choices.
+        names = tuple(dict.fromkeys((_stem(document), files[str(i)])))
         try:
-            found = list(kind.features(document, layers, stem))
+            found = list(kind.features(document, layers, names))
         except ScenarioError as error:
             raise error.under(i) from error
         drawn.append([_placed(feature, i) for feature in found])
@@ -116,7 +117,7 @@ def read_ground(document: Document, origin: Origin | None = None) -> Ground:
         As in `read_charts`.
     """
     kind = next(k for k in _KINDS if k.recognizes(document.value))
-    features = list(kind.features(document, Layers.asked(()), _stem(document)))
+    features = list(kind.features(document, Layers.asked(()), (_stem(document),)))
     return ground_of(features, origin)
 
 

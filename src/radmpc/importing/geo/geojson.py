@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from radmpc.arrays import as_matrix
@@ -40,7 +40,7 @@ def is_geojson(value: object) -> bool:
     return isinstance(value, Mapping) and value.get("type") in _TYPES
 
 
-def geojson_features(document: Document, layers: Layers, file: str) -> Iterator[Feature]:
+def geojson_features(document: Document, layers: Layers, files: Sequence[str]) -> Iterator[Feature]:
     """Yield what is drawn in a GeoJSON file.
 
     Parameters
@@ -50,8 +50,8 @@ def geojson_features(document: Document, layers: Layers, file: str) -> Iterator[
     layers : Layers
         Those that are taken. A feature lies in one of the file's name, of that of the collection
         (``name``) and of its own property ``layer``.
-    file : str
-        The file's name as a layer.
+    files : sequence of str
+        The file's names as layers.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def geojson_features(document: Document, layers: Layers, file: str) -> Iterator[
     features = value.get("features")
     if not isinstance(features, list):
         raise ScenarioError(f"must be a list, got {shown(features)}", ("features",))
-    outer = [name for name in (file, value.get("name")) if isinstance(name, str) and name]
+    outer = [name for name in (*files, value.get("name")) if isinstance(name, str) and name]
     for i, given in enumerate(features):
         entry = _checked(given, ("features", i))
         properties = _properties(entry, ("features", i))

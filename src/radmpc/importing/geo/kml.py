@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from radmpc.arrays import Matrix, as_matrix
@@ -47,7 +47,7 @@ def is_kml(value: object) -> bool:
     return isinstance(value, tuple) and all(isinstance(one, Placemark) for one in value)
 
 
-def kml_features(document: Document, layers: Layers, file: str) -> Iterator[Feature]:
+def kml_features(document: Document, layers: Layers, files: Sequence[str]) -> Iterator[Feature]:
     """Yield what is drawn in a KML file.
 
     Parameters
@@ -57,8 +57,8 @@ def kml_features(document: Document, layers: Layers, file: str) -> Iterator[Feat
     layers : Layers
         Those that are taken. A Placemark lies in one of the file's name, of that of the document
         and of those of its folders.
-    file : str
-        The file's name as a layer.
+    files : sequence of str
+        The file's names as layers.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def kml_features(document: Document, layers: Layers, file: str) -> Iterator[Feat
     """
     placemarks = document.value if isinstance(document.value, tuple) else ()
     for i, placemark in enumerate(placemarks):
-        names = (file, *placemark.layers)
+        names = (*files, *placemark.layers)
         if not layers.takes(names):
             continue
         if not placemark.shapes:

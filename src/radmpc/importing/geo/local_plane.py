@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
 from radmpc.geodesy import Origin, to_local
 from radmpc.importing.geo.feature import Feature
-from radmpc.importing.geo.properties import unknown_properties
+from radmpc.importing.geo.properties import misplaced_properties, unknown_properties
 from radmpc.importing.rounding import rounded
 from radmpc.records import dataclass
 from radmpc.rounding import rounded_up
@@ -158,12 +159,13 @@ def describe_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, .
         The plane in which they lie.
     """
     warnings = []
-    unknown = sorted(
-        {note for feature in features for note in unknown_properties(feature.properties)}
-    )
-    if unknown:
-        more = f" and {len(unknown) - 5} more" if len(unknown) > 5 else ""
-        warnings.append(f"properties ignored: {', '.join(unknown[:5])}{more}")
+    unknown = (unknown_properties(one.properties) for one in features)
+    misplaced = (misplaced_properties(one.properties, one.role) for one in features)
+    for what, notes in (("ignored", unknown), ("without effect", misplaced)):
+        listed = sorted(set(chain.from_iterable(notes)))
+        if listed:
+            more = f" and {len(listed) - 5} more" if len(listed) > 5 else ""
+            warnings.append(f"properties {what}: {', '.join(listed[:5])}{more}")
     height = placed.origin.height
     drawn = np.concatenate([ring[:, 2] for feature in features for ring in feature.rings])
     if np.any(np.abs(drawn[drawn != 0.0] - height) > 0.5):

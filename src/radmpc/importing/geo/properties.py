@@ -6,7 +6,7 @@ import difflib
 import re
 from collections.abc import Iterable, Mapping
 
-__all__ = ["OBSTACLES", "SETTINGS", "stated", "unknown_properties"]
+__all__ = ["OBSTACLES", "SETTINGS", "misplaced_properties", "stated", "unknown_properties"]
 
 SETTINGS: Mapping[str, tuple[str, str]] = {
     "radius": ("radius", "m"),
@@ -33,6 +33,21 @@ _KNOWN = (
 )
 _HINTED = tuple(name for name in _KNOWN if len(name) > 3)
 """Properties that are guessed at: half of all words of three letters are near to another one."""
+
+_ENDS = ("start", "goal")
+_ROLES: Mapping[str, tuple[str, ...]] = {
+    "vehicle": (*_ENDS, "via"),
+    "height": ("origin",),
+    **dict.fromkeys(SETTINGS, _ENDS),
+    "speed": (*_ENDS, "via", "obstacle"),
+    **dict.fromkeys(_MOVING, ("obstacle",)),
+    "order": ("via",),
+    "half_width": ("via",),
+    "after": ("via", "goal"),
+    "before": ("via", "goal"),
+    "range": _ENDS,
+}
+"""Properties that are read of features of some roles only. Relations of others are refused."""
 
 # What drawing programs add: colors, texts, times.
 _STYLES = re.compile(
@@ -77,3 +92,22 @@ def unknown_properties(keys: Iterable[str]) -> list[str]:
             near = difflib.get_close_matches(key[:100].lower(), _HINTED, n=1)
             notes.append(f"{key} (did you mean {near[0]}?)" if near else key)
     return notes
+
+
+def misplaced_properties(keys: Iterable[str], role: str) -> list[str]:
+    """Return the properties that are read, but not of what has this role.
+
+    Parameters
+    ----------
+    keys : iterable of str
+        Of a feature.
+    role : str
+        Of the same.
+
+    Returns
+    -------
+    list of str
+        Each with the role, as in a message.
+    """
+    article = "an" if role[0] in "aeiou" else "a"
+    return [f"{key} of {article} {role}" for key in keys if role not in _ROLES.get(key, (role,))]
