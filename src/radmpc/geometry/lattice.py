@@ -10,7 +10,7 @@ import shapely
 
 from radmpc.arrays import Indices, Matrix, Vector
 
-__all__ = ["barred_moves", "neighbors"]
+__all__ = ["blocked_moves", "neighbors"]
 
 _DIRECTIONS = ((0, 1), (1, 0), (1, 1), (1, -1))
 """From a point to its neighbors, in rows and columns; the opposite ones are theirs."""
@@ -38,7 +38,7 @@ def neighbors(shape: tuple[int, ...]) -> Iterator[tuple[Indices, Indices]]:
         yield first, index[down:, max(right, 0) : shape[1] - max(-right, 0)]
 
 
-def barred_moves(
+def blocked_moves(
     distances: Matrix, axes: Sequence[Vector], pieces: Sequence[shapely.Geometry]
 ) -> npt.NDArray[np.bool_] | None:
     """Return between which neighbors a piece stands, however thin it is.
@@ -58,7 +58,7 @@ def barred_moves(
         By the direction, in the order of `neighbors`, and the first of both points. Only points
         outside all pieces count. None where no piece stands between any.
     """
-    barred = np.zeros((len(_DIRECTIONS), *distances.shape), dtype=bool)
+    blocked = np.zeros((len(_DIRECTIONS), *distances.shape), dtype=bool)
     points = np.column_stack([one.ravel() for one in np.meshgrid(*axes, indexing="ij")])
     away, tree = distances.ravel(), shapely.STRtree(pieces)
     for number, (first, second) in enumerate(neighbors(distances.shape)):
@@ -69,5 +69,5 @@ def barred_moves(
         begins = first[is_near]
         moves = shapely.linestrings(np.stack([points[begins], points[second[is_near]]], axis=1))
         met = tree.query(moves, predicate="intersects")[0]
-        barred[number].ravel()[begins[met]] = True
-    return barred if barred.any() else None
+        blocked[number].ravel()[begins[met]] = True
+    return blocked if blocked.any() else None
