@@ -73,7 +73,7 @@ class FreeSpace:
         Between neighbors along an axis [m].
     distances : (p, q) array
         From each point to the nearest obstacle or to bounds that hold hulls, 0 within [m].
-    barred : (4, p, q) bool array or None
+    blocked : (4, p, q) bool array or None
         Whether an obstacle, which may be thin, stands between a point outside all of them and its
         neighbor of that number outside all of them; None where none does.
     """
@@ -81,7 +81,7 @@ class FreeSpace:
     origin: Vector
     spacing: float
     distances: Matrix
-    barred: npt.NDArray[np.bool_] | None = None
+    blocked: npt.NDArray[np.bool_] | None = None
 
     def shortest_path(self, vehicle: ForeignVehicle, target: float) -> FreePath | None:
         """Return the shortest path that keeps the target clearance, or the largest there is.
@@ -134,7 +134,7 @@ class FreeSpace:
     def _is_connected(self, vehicle: ForeignVehicle, clearance: float) -> bool:
         """Whether points with this clearance join start and goal."""
         free = self._free(vehicle, clearance)
-        if self.barred is not None and vehicle.radius + clearance <= self.spacing:
+        if self.blocked is not None and vehicle.radius + clearance <= self.spacing:
             # Neighbors may lie on both sides of a wall: farther from it they are none.
             _, parts = connected_components(self._graph(free), directed=False)
             marks = np.where(free, parts.reshape(free.shape) + 1, 0)
@@ -188,8 +188,8 @@ class FreeSpace:
         ends: list[tuple[np.ndarray, np.ndarray]] = []
         for number, (first, second) in enumerate(neighbors(free.shape)):
             both = free.ravel()[first] & free.ravel()[second]
-            if self.barred is not None:
-                both &= ~self.barred[number].ravel()[first]
+            if self.blocked is not None:
+                both &= ~self.blocked[number].ravel()[first]
             ends.append((first[both], second[both]))
         rows = np.concatenate([first for first, _ in ends])
         columns = np.concatenate([second for _, second in ends])
@@ -238,8 +238,8 @@ def free_spaces_of(problem: ForeignProblem) -> list[FreeSpace] | None:
                 piece for each, is_met in zip(pieces, row, strict=True) if is_met for piece in each
             ]
             distances = _distances(problem, axes, own)
-            barred = blocked_moves(distances, axes, own)
-            spaces[row.tobytes()] = FreeSpace(origin, spacing, distances, barred)
+            blocked = blocked_moves(distances, axes, own)
+            spaces[row.tobytes()] = FreeSpace(origin, spacing, distances, blocked)
     return [spaces[row.tobytes()] for row in met]
 
 
