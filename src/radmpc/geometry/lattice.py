@@ -10,7 +10,7 @@ import shapely
 
 from radmpc.arrays import Indices, Matrix, Vector
 
-__all__ = ["blocked_moves", "neighbors"]
+__all__ = ["blocked_steps", "neighbors"]
 
 _DIRECTIONS = ((0, 1), (1, 0), (1, 1), (1, -1))
 """From a point to its neighbors, in rows and columns; the opposite ones are theirs."""
@@ -38,7 +38,7 @@ def neighbors(shape: tuple[int, ...]) -> Iterator[tuple[Indices, Indices]]:
         yield first, index[down:, max(right, 0) : shape[1] - max(-right, 0)]
 
 
-def blocked_moves(
+def blocked_steps(
     distances: Matrix, axes: Sequence[Vector], pieces: Sequence[shapely.Geometry]
 ) -> npt.NDArray[np.bool_] | None:
     """Return between which neighbors a piece stands, however thin it is.

@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.geometry import planar
-from radmpc.geometry.lattice import blocked_moves, neighbors
+from radmpc.geometry.lattice import blocked_steps, neighbors
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.model.relations.concerns import concerned
 from radmpc.records import dataclass
@@ -238,7 +238,7 @@ def free_spaces_of(problem: ForeignProblem) -> list[FreeSpace] | None:
                 piece for each, is_met in zip(pieces, row, strict=True) if is_met for piece in each
             ]
             distances = _distances(problem, axes, own)
-            blocked = blocked_moves(distances, axes, own)
+            blocked = blocked_steps(distances, axes, own)
             spaces[row.tobytes()] = FreeSpace(origin, spacing, distances, blocked)
     return [spaces[row.tobytes()] for row in met]
 
