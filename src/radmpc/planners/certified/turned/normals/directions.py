@@ -44,7 +44,7 @@ def closest_approach(relative: Tensor) -> Tensor:
 
 
 def line_of_approach(
-    closest: Matrix, distance: Vector, ways: Callable[[], tuple[Matrix, Vector]]
+    closest: Matrix, distance: Vector, motions: Callable[[], tuple[Matrix, Vector]]
 ) -> Matrix:
     """Return unit vectors along the line of closest approach between two vehicles, (w, d).
 
@@ -54,7 +54,7 @@ def line_of_approach(
         Relative position where they are closest [m].
     distance : (w,) array
         Distance to keep [m].
-    ways : callable
+    motions : callable
         Called where some are through each other: relative motions over the windows, (w, d) [m], and
         which way to part where neither moves, (w,) [-].
     """
@@ -62,7 +62,7 @@ def line_of_approach(
     normals = closest / np.maximum(length, _TINY)[:, None]
     through = length < _THROUGH * distance
     if through.any():
-        moved, signs = ways()
+        moved, signs = motions()
         normals[through] = _across(moved[through], signs[through])
     return np.asarray(normals)
 
