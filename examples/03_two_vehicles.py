@@ -40,4 +40,4 @@ def main(out: Path) -> float:
 
 
 if __name__ == "__main__":
-    print("share of flights that collide:", main(Path()))
+    print("share of samples that collide:", main(Path()))

@@ -48,4 +48,4 @@ def main(out: Path) -> float:
 
 
 if __name__ == "__main__":
-    print("share of flights that collide between steps:", main(Path()))
+    print("share of samples that collide between steps:", main(Path()))
