@@ -273,7 +273,11 @@ def _no_way_together(scenario: Scenario, members: tuple[int, ...], planner: Plan
     """Name two vehicles for which no plan was found even with the whole Δ to themselves."""
     first, second = (repr(scenario.vehicles[i].name) for i in members)
     sought = planner.policy.sought(scenario.risk_bound)
-    return f"Vehicles {first} and {second} alone find no path past each other {sought}."
+    # Two that never meet share Δ all the same, and what two keep may be their range.
+    shares = planner.policy.family != "deterministic"
+    is_in_way = not shares and not scenario.subset(members, scenario.risk_bound).keep
+    which = "past each other" if is_in_way else "for both"
+    return f"Vehicles {first} and {second} alone find no path {which} {sought}."
 
 
 def _no_way_alone(scenario: Scenario, i: int, planner: Planner) -> Reason:
