@@ -73,7 +73,7 @@ def explain_infeasible(
     ]
     if unable:
         late = [i for reason in unable for i in reason.members]
-        cure = reach_sentence(scenario, late, _all_reach, limits)
+        cure = reach_sentence(scenario, late, partial(_finds_way, planner), limits)
         return " ".join(filter(None, [*(text for _, text in grouped(scenario, unable)), cure]))
     closed = enclosed_reasons(scenario)
     if closed:
@@ -133,12 +133,6 @@ def _finds_way(planner: Planner, scenario: Scenario, limits: Limits) -> bool:
     everyone = tuple(range(scenario.num_vehicles))
     outcome = _solved_alone(scenario, everyone, planner, limits)
     return outcome in {Outcome.OPTIMAL, Outcome.FEASIBLE}
-
-
-def _all_reach(scenario: Scenario, limits: Limits) -> bool:
-    """Whether all vehicles reach their goals through empty space."""
-    del limits  # a linear program each
-    return all(unable_alone(scenario, model) is None for model in condensed_models(scenario))
 
 
 def explain_stuck(

@@ -202,3 +202,15 @@ def test_two_that_lose_their_range_are_not_told_to_be_in_each_others_way():
     kept = scene_of(*fleet, obstacles=walls, keep=keep, avoidance="intervals")
     assert plan(replace(kept, keep=()), "dlp").plan is not None
     assert _explained(kept, "dlp").startswith("Vehicles 'a' and 'b' alone find no path for both ")
+
+
+def test_what_brings_a_goal_into_reach_leaves_a_way_to_it():
+    wall = Obstacle.box("wall", [9, -12], [10, 12])
+    late = mover("a", (0, 0), (20, 0), **QUIET)
+    scenario = scene_of(late, obstacles=(wall,), horizon=7, avoidance="intervals")
+    text = _explained(scenario, "uniform")
+    horizon = re.search(r"lengthen the horizon to (\d+) steps", text)
+    assert horizon is not None, text
+    assert plan(replace(scenario, horizon=int(horizon[1])), "uniform").plan is not None
+    # At 1.5 times its speed it would be there in time, straight through the wall.
+    assert "raise speed_limit" not in text
