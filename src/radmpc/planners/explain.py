@@ -73,7 +73,7 @@ def explain_infeasible(
     ]
     if unable:
         late = [i for reason in unable for i in reason.members]
-        cure = reach_sentence(scenario, late, _all_reach, limits)
+        cure = reach_sentence(scenario, late, partial(_finds_way, planner), limits)
         return " ".join(filter(None, [*(text for _, text in grouped(scenario, unable)), cure]))
     closed = enclosed_reasons(scenario)
     if closed:
@@ -133,12 +133,6 @@ def _finds_way(planner: Planner, scenario: Scenario, limits: Limits) -> bool:
     everyone = tuple(range(scenario.num_vehicles))
     outcome = _solved_alone(scenario, everyone, planner, limits)
     return outcome in {Outcome.OPTIMAL, Outcome.FEASIBLE}
-
-
-def _all_reach(scenario: Scenario, limits: Limits) -> bool:
-    """Whether all vehicles reach their goals through empty space."""
-    del limits  # a linear program each
-    return all(unable_alone(scenario, model) is None for model in condensed_models(scenario))
 
 
 def explain_stuck(
@@ -273,7 +267,11 @@ def _no_way_together(scenario: Scenario, members: tuple[int, ...], planner: Plan
     """Name two vehicles for which no plan was found even with the whole Δ to themselves."""
     first, second = (repr(scenario.vehicles[i].name) for i in members)
     sought = planner.policy.sought(scenario.risk_bound)
-    return f"Vehicles {first} and {second} alone find no path past each other {sought}."
+    # Two that never meet share Δ all the same, and what two keep may be their range.
+    shares = planner.policy.family != "deterministic"
+    is_in_way = not shares and not scenario.subset(members, scenario.risk_bound).keep
+    which = "past each other" if is_in_way else "for both"
+    return f"Vehicles {first} and {second} alone find no path {which} {sought}."
 
 
 def _no_way_alone(scenario: Scenario, i: int, planner: Planner) -> Reason:

@@ -209,9 +209,12 @@ def controls_of(models: Sequence[CondensedModel], z: Vector) -> list[Matrix]:
     controls, start = [], 0
     for model in models:
         span = model.control_bounds.size
-        # Solvers keep bounds up to a tolerance; below 0 a control would be rewarded.
-        halves = np.maximum(z[start : start + 2 * span], 0.0)
-        controls.append((halves[:span] - halves[span:]).reshape(model.control_bounds.shape))
+        up, down = z[start : start + span], z[start + span : start + 2 * span]
+        # Solvers keep bounds up to a tolerance. What a half is below 0 counts, up to the limit of
+        # its control: rows hold with it, and over long steps its effect is not small.
+        most = np.abs(np.maximum(up, 0.0) - np.maximum(down, 0.0))
+        most = np.maximum(model.control_bounds.ravel(), most)
+        controls.append(np.clip(up - down, -most, most).reshape(model.control_bounds.shape))
         start += 2 * span
     return controls
 

@@ -11,6 +11,8 @@ from small_problems import mover, scene_of
 
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
+from radmpc.model.relations.concerns import only_for
+from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Workspace
 from radmpc.planners.sets import SetPlan, verdict_of_sets
 from radmpc.planning import plan
@@ -165,3 +167,50 @@ def test_a_limit_and_a_horizon_are_told_that_bring_a_goal_into_reach():
     (vehicle,) = problem.vehicles
     faster = replace(vehicle, speed_limit=float(factor[1]) * vehicle.speed_limit)
     assert plan(replace(problem, vehicles=(faster,)), "multi-vehicle").plan is not None
+
+
+def test_two_that_are_far_apart_are_not_told_to_be_in_each_others_way():
+    fleet, walls = [], []
+    for name, y in (("a", 0.0), ("b", 50.0)):
+        fleet.append(mover(name, (0, y), (8, y), disturbance_covariance=[0.01, 0.01, 0, 0]))
+        walls.append(Obstacle.box(f"{name} north", [1, y + 1], [7, y + 9]))
+        walls.append(Obstacle.box(f"{name} south", [1, y - 9], [7, y - 1]))
+    scenario = scene_of(*fleet, obstacles=tuple(walls))
+    assert plan(replace(scenario, vehicles=(fleet[0],)), "uniform").plan is not None
+    text = _explained(scenario, "uniform")
+    assert text.startswith("Vehicles 'a' and 'b' alone find no path for both within the risk bound")
+    assert "past each other" not in text
+
+
+QUIET = {"disturbance_covariance": 0.0, "initial_covariance": 0.0}
+
+
+def test_two_that_meet_in_a_corridor_are_told_to_be_in_each_others_way():
+    walls = (Obstacle.box("north", [1, 0.6], [7, 20]), Obstacle.box("south", [1, -20], [7, -0.6]))
+    fleet = (mover("a", (0, 0), (8, 0), **QUIET), mover("b", (8, 0), (0, 0), **QUIET))
+    text = _explained(scene_of(*fleet, obstacles=walls, avoidance="intervals"), "dlp")
+    assert text.startswith("Vehicles 'a' and 'b' alone find no path past each other whose mean")
+
+
+def test_two_that_lose_their_range_are_not_told_to_be_in_each_others_way():
+    walls = (
+        only_for(Obstacle.box("north", [3, -3], [5, 20]), ["a"]),
+        only_for(Obstacle.box("south", [3, -20], [5, 3]), ["b"]),
+    )
+    fleet = (mover("a", (0, -1), (8, -1), **QUIET), mover("b", (0, 1), (8, 1), **QUIET))
+    keep = (Keep(["a", "b"], 4.0),)
+    kept = scene_of(*fleet, obstacles=walls, keep=keep, avoidance="intervals")
+    assert plan(replace(kept, keep=()), "dlp").plan is not None
+    assert _explained(kept, "dlp").startswith("Vehicles 'a' and 'b' alone find no path for both ")
+
+
+def test_what_brings_a_goal_into_reach_leaves_a_way_to_it():
+    wall = Obstacle.box("wall", [9, -12], [10, 12])
+    late = mover("a", (0, 0), (20, 0), **QUIET)
+    scenario = scene_of(late, obstacles=(wall,), horizon=7, avoidance="intervals")
+    text = _explained(scenario, "uniform")
+    horizon = re.search(r"lengthen the horizon to (\d+) steps", text)
+    assert horizon is not None, text
+    assert plan(replace(scenario, horizon=int(horizon[1])), "uniform").plan is not None
+    # At 1.5 times its speed it would be there in time, straight through the wall.
+    assert "raise speed_limit" not in text

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from visiting import scene, vehicle
 
-from radmpc import Scenario, ScenarioError, Visit, certify, plan
+from radmpc import Goal, Scenario, ScenarioError, Visit, certify, double_integrator, plan
 from radmpc.experiments.comparing import compare
 from radmpc.model.visits import steps_of_visits, steps_visited
 from radmpc.planners.presets import PRESETS
@@ -148,3 +148,18 @@ def test_the_referee_names_what_is_not_visited() -> None:
         f"vehicle 'a': does not visit via[1]: the one before takes place at step {made[0]}, "
         f"allowed is up to {made[0]}"
     )
+
+
+@pytest.mark.parametrize("dt", [100.0, 300.0])
+def test_plans_with_visits_hold_at_long_steps(dt: float) -> None:
+    one = replace(
+        vehicle("a", [2000.0, -2510.0], [1942.0, -3087.0]),
+        system=double_integrator(dt, 2),
+        goal=Goal.at([1942.236, -3087.455], 0.0),
+        radius=100.0,
+        control_limit=4e3 / dt**2,
+        gain=None,
+        via=(Visit.at([1806.106, -3212.133], 100.0),),
+    )
+    found = plan(Scenario("long steps", dt, 6, 0.001, (one,), avoidance="steps"))
+    assert found.is_certified, found.certificate

@@ -89,7 +89,7 @@ def reach_sentence(scenario: Scenario, late: Iterable[int], does: Does, limits: 
     late : iterable of int
         Vehicles that cannot reach their goals through empty space.
     does, limits
-        As in `passage_sentence`: whether all vehicles of a changed scenario reach theirs.
+        As in `passage_sentence`: what brings a goal into reach may leave no way to it.
 
     Returns
     -------
