@@ -91,7 +91,8 @@ class BuildHook(BuildHookInterface):  # type: ignore[type-arg]  # its parameter 
             return f"{compiler}: {error.strerror or error}"
         except subprocess.CalledProcessError as error:
             made.unlink(missing_ok=True)
-            return f"{compiler} failed: {error.stderr.strip().splitlines()[0]}"
+            said = error.stderr.strip() or f"exit code {error.returncode}"
+            return f"{compiler} failed: {said.splitlines()[0]}"
         made.replace(target)
         return None
 

@@ -96,6 +96,10 @@ def test_the_wheel_says_what_it_needs_and_who_may_use_it(wheel: Path) -> None:
     metadata = Parser().parsestr(text)
     assert metadata["License-Expression"] == "MIT"
     assert metadata["Requires-Python"] == ">=3.11"
+    assert metadata["Author"] == "The radmpc authors"
+    stated = set(metadata.get_all("Classifier") or [])
+    assert {"Typing :: Typed", "Topic :: Scientific/Engineering"} <= stated
+    assert {f"Programming Language :: Python :: 3.{minor}" for minor in (11, 12, 13)} <= stated
     needed = [line for line in metadata.get_all("Requires-Dist") or [] if "extra ==" not in line]
     assert {"highspy", "numpy", "typer"} <= {line.split(">")[0] for line in needed}
 

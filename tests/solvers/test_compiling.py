@@ -87,6 +87,16 @@ def test_a_compiler_that_fails_says_why_and_leaves_nothing(tmp_path: Path) -> No
     assert [path.name for path in (tmp_path / MADE.parent).iterdir()] == ["compiled"]
 
 
+@pytest.mark.skipif(shutil.which("false") is None, reason="no program that fails and says nothing")
+@pytest.mark.skipif(sys.platform != "linux", reason="compiled on Linux only")
+def test_a_compiler_that_fails_without_a_word_leaves_a_package_without_compiled_code(
+    checkout: Checkout, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", "false")
+    assert checkout.install() == {"artifacts": []}
+    assert checkout.said == [SAID + "false failed: exit code 1"]
+
+
 def test_who_requires_compiled_code_gets_no_package_without(
     checkout: Checkout, monkeypatch: pytest.MonkeyPatch
 ) -> None:

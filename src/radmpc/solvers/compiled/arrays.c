@@ -1,5 +1,6 @@
 #include "arrays.h"
 
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,12 +22,13 @@ static const Kind KINDS[] = {
 /* Look into an array; -1, with an error, where it is none of the kind. */
 static Py_ssize_t look(PyObject *array, char letter, Py_buffer *view) {
     const Kind *kind = KINDS;
-    while (kind->kind != letter) kind++;
+    while (kind->kind != tolower(letter)) kind++;
     if (PyObject_GetBuffer(array, view, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) < 0) return -1;
-    if (view->itemsize == (Py_ssize_t)kind->size && view->format && strchr(kind->formats, view->format[0]))
-        return view->len / view->itemsize;
+    int is_kind = view->itemsize == (Py_ssize_t)kind->size && view->format && strchr(kind->formats, view->format[0]);
+    if (is_kind && !(isupper(letter) && view->readonly)) return view->len / view->itemsize;
     PyBuffer_Release(view);
-    PyErr_Format(PyExc_TypeError, "expected a contiguous array of %s", kind->name);
+    if (is_kind) PyErr_SetString(PyExc_ValueError, "expected an array to be written");
+    else PyErr_Format(PyExc_TypeError, "expected a contiguous array of %s", kind->name);
     return -1;
 }
 
@@ -64,8 +66,11 @@ PyObject *bytes_of(const void *values, size_t size) {
 }
 
 int numbers_read(Numbers *numbers, PyObject *tuple, int limit) {
+    if (!PyTuple_Check(tuple)) {
+        PyErr_SetString(PyExc_TypeError, "expected a tuple of alternatives");
+        return 0;
+    }
     Py_ssize_t count = PyTuple_Size(tuple);
-    if (count < 0) return 0;
     if (count > numbers->room) {
         int *larger = realloc(numbers->values, (size_t)count * 2 * sizeof *larger);
         if (!larger) {

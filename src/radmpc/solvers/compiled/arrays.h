@@ -16,7 +16,8 @@ typedef struct {
 #define AT(arrays, i) ((arrays).views[i].buf)
 
 /* Look into arrays of the kinds named, 'd' for float64, 'i' for int32, 'q' for int64, 'b' for
- * bool or bytes, 'f' for float32, 'u' for uint32; 0, with an error, where one is none of its kind. */
+ * bool or bytes, 'f' for float32, 'u' for uint32, in capitals what will be written; 0, with an error,
+ * where one is none of its kind. */
 int arrays_look(Arrays *arrays, PyObject *const *objects, const char *kinds);
 void arrays_release(Arrays *arrays);
 

@@ -15,7 +15,8 @@ static Py_ssize_t size_of(const Lattice *lattice) {
 }
 
 static int is_within(const Lattice *lattice, const Box *box) {
-    return box->row >= 0 && box->row_end <= lattice->rows && box->column >= 0 && box->column_end <= lattice->columns;
+    return 0 <= box->row && box->row <= box->row_end && box->row_end <= lattice->rows && 0 <= box->column &&
+           box->column <= box->column_end && box->column_end <= lattice->columns;
 }
 
 static PyObject *measured(PyObject *Py_UNUSED(module), PyObject *args) {
@@ -59,7 +60,7 @@ static PyObject *add_tails(PyObject *Py_UNUSED(module), PyObject *args) {
     float scale;
     if (!PyArg_ParseTuple(args, "OOOOf", &objects[0], &objects[1], &objects[2], &objects[3], &scale)) return NULL;
     Arrays arrays;
-    if (!arrays_look(&arrays, objects, "fuff")) return NULL;
+    if (!arrays_look(&arrays, objects, "Fuff")) return NULL;
     float *risks = AT(arrays, 0);
     const unsigned *numbers = AT(arrays, 1);
     const float *slacks = AT(arrays, 2), *tails = AT(arrays, 3);
@@ -90,7 +91,7 @@ static PyObject *change(PyObject *Py_UNUSED(module), PyObject *args) {
                           &objects[1], &axis, &objects[2]))
         return NULL;
     Arrays arrays;
-    if (!arrays_look(&arrays, objects, "fff")) return NULL;
+    if (!arrays_look(&arrays, objects, "ffF")) return NULL;
     if (!read_box(&lattice, &box) || arrays.sizes[0] != size_of(&lattice) || arrays.sizes[2] != arrays.sizes[0] ||
         arrays.sizes[1] != (Py_ssize_t)lattice.width * lattice.width)
         return arrays_refuse(&arrays, "arrays of other lengths");
@@ -112,7 +113,7 @@ static PyObject *move(PyObject *Py_UNUSED(module), PyObject *args) {
                           &in_time->column_end, &objects[3]))
         return NULL;
     Arrays arrays;
-    if (!arrays_look(&arrays, objects, "ffbf")) return NULL;
+    if (!arrays_look(&arrays, objects, "ffbF")) return NULL;
     if (!read_box(&lattice, &from) || !read_box(&lattice, &to) || arrays.sizes[0] != size_of(&lattice) ||
         arrays.sizes[1] != arrays.sizes[0] || arrays.sizes[2] != (arrays.sizes[0] + 7) / 8 ||
         arrays.sizes[3] != arrays.sizes[0])

@@ -119,10 +119,9 @@ static PyObject *solve(PyObject *self, PyObject *args) {
 
 static PyObject *point(PyObject *self, PyObject *into) {
     Arrays arrays;
-    if (!arrays_look(&arrays, &into, "d")) return NULL;
+    if (!arrays_look(&arrays, &into, "D")) return NULL;
     Lp *lp = program_of(self);
-    if (arrays.sizes[0] != lp->num_columns || arrays.views[0].readonly)
-        return arrays_refuse(&arrays, "a number per column, to be written");
+    if (arrays.sizes[0] != lp->num_columns) return arrays_refuse(&arrays, "a number per column");
     memcpy(AT(arrays, 0), lp->x, (size_t)lp->num_columns * sizeof(double));
     arrays_release(&arrays);
     Py_RETURN_NONE;

@@ -30,8 +30,6 @@ static const char *fill(Nodes *nodes, const Arrays *arrays) {
     if (sizes[FACTORS] != 3) return "three factors";
     if (sizes[POINT] != nodes->rows->num_columns) return "a number per decision variable";
     if (sizes[SHORTFALL] != avoidances * r->width) return "a shortfall per entry of the table";
-    for (int i = WEIGHTS; i < NUM_ARRAYS; i++)
-        if (i != FACTORS && arrays->views[i].readonly) return "arrays to be written";
     nodes->owners = AT(*arrays, OWNERS);
     nodes->is_refined = AT(*arrays, IS_REFINED);
     nodes->weights = AT(*arrays, WEIGHTS);
@@ -58,7 +56,7 @@ static PyObject *nodes_new(PyTypeObject *type, PyObject *args, PyObject *Py_UNUS
     PyObject *self = allocate(type, 0);
     if (!self) return NULL;
     NodesObject *object = (NodesObject *)self;
-    if (!arrays_look(&object->arrays, objects, "ibdddqd")) {
+    if (!arrays_look(&object->arrays, objects, "ibDdDQD")) {
         Py_DECREF(self);
         return NULL;
     }

@@ -8,7 +8,7 @@ typedef struct {
 } Matrix;
 
 typedef struct {
-    int num_outputs, num_rows, num_alternatives, num_avoidances, width, num_events;
+    int num_columns, num_outputs, num_rows, num_alternatives, num_avoidances, width, num_events;
     int samples;               /* degrees of freedom of Student's t; 0: Gaussian */
     double log_beta;           /* of half of them, and a half */
     Matrix outputs, normals;   /* outputs over the point, rows over the outputs */

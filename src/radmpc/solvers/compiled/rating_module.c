@@ -32,6 +32,7 @@ static int is_sparse(const Arrays *arrays, int first, int columns, Matrix *matri
 enum { OUTPUTS, NORMALS = 3, CONSTANT = 6, OFFSETS, DEVIATIONS, TABLE, STARTS, ROWS, EVENTS, NUM_ARRAYS };
 
 static const char *fill(Ratings *r, const Arrays *arrays, int num_columns, int num_events, int samples) {
+    if (num_columns < 0 || num_events < 0 || samples < 0) return "counts >= 0";
     if (!is_sparse(arrays, OUTPUTS, num_columns, &r->outputs, &r->num_outputs)) return "outputs are no matrix";
     if (!is_sparse(arrays, NORMALS, r->num_outputs, &r->normals, &r->num_rows)) return "rows are no matrix";
     Py_ssize_t rows = r->num_rows, alternatives = arrays->sizes[STARTS] - 1;
@@ -46,6 +47,7 @@ static const char *fill(Ratings *r, const Arrays *arrays, int num_columns, int n
     if (!are_below(AT(*arrays, ROWS), arrays->sizes[ROWS], r->num_rows)) return "no such row";
     for (Py_ssize_t t = 0; t < arrays->sizes[TABLE]; t++)
         if (table[t] < -1 || table[t] >= alternatives) return "no such alternative";
+    r->num_columns = num_columns;
     r->num_alternatives = (int)alternatives;
     r->num_avoidances = r->width ? (int)(arrays->sizes[TABLE] / r->width) : 0;
     r->num_events = num_events;
@@ -116,10 +118,11 @@ static PyObject *rate(PyObject *self, PyObject *args) {
                           &objects[4]))
         return NULL;
     Arrays arrays;
-    if (!arrays_look(&arrays, objects, "dddqd")) return NULL;
+    if (!arrays_look(&arrays, objects, "dDDQD")) return NULL;
     Ratings *r = ratings_of(self);
-    if (arrays.sizes[0] < num_columns || arrays.sizes[1] != r->num_rows || arrays.sizes[2] != r->num_avoidances ||
-        arrays.sizes[3] != r->num_avoidances || arrays.sizes[4] != (Py_ssize_t)r->num_avoidances * r->width)
+    if (num_columns != r->num_columns || arrays.sizes[0] < num_columns || arrays.sizes[1] != r->num_rows ||
+        arrays.sizes[2] != r->num_avoidances || arrays.sizes[3] != r->num_avoidances ||
+        arrays.sizes[4] != (Py_ssize_t)r->num_avoidances * r->width)
         return arrays_refuse(&arrays, "arrays of other lengths");
     Rated into = {AT(arrays, 1), AT(arrays, 2), AT(arrays, 3), AT(arrays, 4), 0.0, 0.0};
     ratings_rate(r, AT(arrays, 0), &into);

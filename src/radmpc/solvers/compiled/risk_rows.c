@@ -155,7 +155,7 @@ int risk_rows_activate(RiskRows *rows, int count, const int *alternatives, int c
             rows->target[rows->num_target++] = row;
         }
     }
-    int is_crowded = rows->lp->num_rows > crowd + crowd_each * rows->num_target;
+    int is_crowded = rows->lp->num_rows > crowd + (long long)crowd_each * rows->num_target;
     for (int i = 0; !is_crowded && i < rows->num_active; i++) {
         int row = rows->active[i];
         if (rows->is_target[row]) continue;
