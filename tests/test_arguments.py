@@ -239,7 +239,7 @@ ARGUMENTS: dict[str, tuple[Call, str]] = {
     "axes saved as a plan": (lambda: save_axes(PLAN, "x.png"), r"axes must be .*Axes, got a Plan"),
     "fewer than no vehicles": (
         lambda: paper(-1, 0),
-        r"num_vehicles must be an integer >= 1, got -1",
+        r"num_vehicles must be an integer from 1 to 10000, got -1",
     ),
     "half a vehicle": (lambda: circle(2.5), r"num_vehicles must be .*, got 2.5"),
     "a fleet of none": (lambda: fleet(0, 0), r"num_vehicles must be .*, got 0"),

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from operator import attrgetter
 from typing import Generic, TypeVar
+
+from radmpc.records import dataclass
 
 __all__ = ["Dives", "OpenNode", "rank"]
 

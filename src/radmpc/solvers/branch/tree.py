@@ -9,13 +9,13 @@ a later child takes the opposite of its earlier siblings' rows, so that no solut
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass
 from radmpc.solvers.diving import Dives, OpenNode
 from radmpc.solvers.lp.outcome import LpOutcome
 from radmpc.solvers.lp.warm_lp import CostRow, WarmLp

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 
 from radmpc.arrays import Indices, Vector
+from radmpc.records import dataclass
 from radmpc.solvers.diving import OpenNode
 
 __all__ = ["Frontier", "Incumbent", "Node", "NodeState"]
