@@ -196,7 +196,8 @@ class BoundSearch:
     def _bound_of(self, members: Members) -> float:
         """Return the bound of a part at the present price."""
         sets, part = self.proven.get(members, {}), self.parts.get(members)
-        told = ({}, ()) if part is None else (part.below, part.symmetries)
+        below = bounds_within(members, self.below, self.price) if part is None else part.below
+        told = below, () if part is None else part.symmetries
         return self._totals.bound_of(members, sets, self.fleet.base, self.price, *told)
 
     def _paid_for_hazards(self, members: Members) -> float:
@@ -250,8 +251,7 @@ class BoundSearch:
         found = dict(self._found())
         paid = {m: self._paid_for_hazards(m) for m in self.order if m not in found}
         left = self._left() + hidden_value(found.items(), self._paid_for_hazards)
-        at_risk = self.price * self.fleet.scenario.risk_bound
-        most = left + unsearched_value(paid, worth, at_risk)
+        most = left + unsearched_value(paid, worth, self.price * self.fleet.scenario.risk_bound)
         is_little = left <= TUNING.futile * (self.incumbent.cost - self.bound_here())
         return most < self._missing() and is_little
 
