@@ -121,6 +121,16 @@ def test_who_passes_on_another_side_is_told_from_who_only_moves(other: str, who:
     assert on_other_sides(hazards, right, left) == who
 
 
+def test_who_stays_is_passed_on_another_side_wherever_it_stands_in_the_fleet() -> None:
+    scenario = passing("vehicle")
+    scenario = replace(scenario, vehicles=scenario.vehicles[::-1])
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    left, right = flown(0.3)[::-1], flown(-0.3)[::-1]
+
+    assert on_other_sides(hazards, left, right) == {0, 1}
+    assert on_other_sides(hazards, left, [each.copy() for each in left]) == frozenset()
+
+
 def test_who_comes_near_nothing_has_no_other_side() -> None:
     scenario = passing("box")
     hazards = Hazards.of(scenario, condensed_models(scenario))

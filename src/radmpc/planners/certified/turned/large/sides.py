@@ -42,19 +42,23 @@ def on_other_sides(
     frozenset of int
         Their numbers.
     """
-    first, second = _near(hazards, one), _near(hazards, other)
+    # Two who do the same in both pass each other, and everything else, as before.
+    group = tuple(i for i in range(hazards.count) if not np.array_equal(one[i], other[i]))
+    if not group:
+        return frozenset()
+    first, second = _near(hazards, one, group), _near(hazards, other, group)
     far = far_of(hazards.tail, TUNING.compared)
     return _apart(first, second, far, same_side) | _apart(second, first, far, same_side)
 
 
-def _near(hazards: Hazards, controls: Sequence[Matrix]) -> HalfSpaces:
-    """Return half-spaces wherever something is near, or could be after a step more."""
+def _near(hazards: Hazards, controls: Sequence[Matrix], group: tuple[int, ...]) -> HalfSpaces:
+    """Return half-spaces wherever something is near a group, or could be after a step more."""
     paths = Paths(hazards)
     for i, each in enumerate(controls):
         paths.fly(i, each)
     far = far_of(hazards.tail, TUNING.compared)
     near = Near(far, float(hazards.reaches.max()), is_refined=False)
-    return half_spaces(hazards, paths, tuple(range(hazards.count)), near)
+    return half_spaces(hazards, paths, group, near)
 
 
 def _apart(spaces: HalfSpaces, others: HalfSpaces, far: float, same_side: float) -> frozenset[int]:
