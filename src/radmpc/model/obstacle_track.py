@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import is_integer, value_text
+from radmpc.arguments import check_integer, is_integer
 from radmpc.arrays import (
     Frozen,
     Matrix,
@@ -28,7 +28,7 @@ from radmpc.arrays import (
     frozen,
     unchecked,
 )
-from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
+from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.ranges import check_range, check_steps, sized
 from radmpc.records import dataclass
 
@@ -67,11 +67,12 @@ def check_step(step: object, last: int, *, is_early: bool) -> None:
     ArgumentError
         If it is out of range.
     """
-    if not is_integer(step):
-        raise ArgumentTypeError(f"step must be an integer from 0 to {last}, got {value_text(step)}")
-    if not 0 <= step <= last:
-        hint = ": its scenario lays out the others" if is_early else ""
-        raise ArgumentError(f"step must be from 0 to {last}, got {value_text(step)}{hint}")
+    try:
+        check_integer(step, "step", 0, last)
+    except ArgumentError as error:
+        if not is_early or not is_integer(step):
+            raise
+        raise ArgumentError(f"{error}: its scenario lays out the others") from None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,15 +9,13 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.normals.directions import line_of_approach
+from radmpc.planners.certified.turned.normals.encounter import LEAST_DEVIATION
 from radmpc.planners.certified.turned.normals.spaces import HalfSpaces
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
 __all__ = ["beside_pieces", "beside_vehicles", "is_nearest_best"]
-
-_LEAST_DEVIATION = 1e-9
-"""Least standard deviation assumed [m]: below it, paths count as through each other or not."""
 
 _TINY = 1e-9
 """Length below which a vector tells no direction [m]."""
@@ -122,7 +120,7 @@ def _deviations(hazards: Hazards, first: Indices, step: Indices, added: Vector |
 
 def _crossed(deviations: Vector) -> Vector:
     """Return the room below which paths count as crossed, (w,) [m]."""
-    return np.asarray(TUNING.crossed * np.maximum(deviations, _LEAST_DEVIATION))
+    return np.asarray(TUNING.crossed * np.maximum(deviations, LEAST_DEVIATION))
 
 
 def _along(normals: Matrix, ends: Matrix) -> Vector:

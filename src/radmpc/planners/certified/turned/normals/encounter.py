@@ -10,7 +10,15 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 
-__all__ = ["Encounter", "Supports", "ends_of", "furthest", "noise_of", "tangents_of"]
+__all__ = [
+    "LEAST_DEVIATION",
+    "Encounter",
+    "Supports",
+    "ends_of",
+    "furthest",
+    "noise_of",
+    "tangents_of",
+]
 
 _STEPS = {2: 0.0325 / 4.0 ** np.arange(4.0), 3: 0.14 / 3.0 ** np.arange(5.0)}
 """Angular steps of the refinements around the best direction, by dimension [rad]: in the plane four
@@ -19,7 +27,7 @@ of them to either side, as far as the next one that was tried before, in space t
 _BESIDE = np.array([[0.0], [-4.0], [-3.0], [-2.0], [-1.0], [1.0], [2.0], [3.0], [4.0]])
 """Steps aside in the plane [-]; the direction itself comes first."""
 
-_LEAST_DEVIATION = 1e-9
+LEAST_DEVIATION = 1e-9
 """Least standard deviation assumed [m]: below it, directions are compared by their slack."""
 
 Supports = Callable[[Tensor], tuple[Vector, Vector]]
@@ -93,7 +101,7 @@ class Encounter:
             np.einsum("wcd,wd->wc", normals, end) - reach
             for end, reach in zip(self.ends, reaches, strict=True)
         ]
-        deviations = [np.maximum(d, _LEAST_DEVIATION) for d in along]
+        deviations = [np.maximum(d, LEAST_DEVIATION) for d in along]
         if len(self.ends) == 1:
             alone: Vector = margins[0] / deviations[0]
             return alone, np.full(alone.shape, 0.5)
