@@ -171,9 +171,13 @@ def test_thirty_drones_in_space_have_their_names_beside_them(screen, server):
     document = server.open("swarm.yaml", json.dumps(content))
     page = screen(document)
     names = page.page.locator(".space-name:visible")
-    until(lambda: names.count() >= 20)
-    boxes = [name.bounding_box() for name in names.all()]
-    for one, two in itertools.combinations(boxes, 2):
+
+    def drawn():
+        """Return where names are, once none is being placed anew."""
+        boxes = [name.bounding_box() for name in names.all()]
+        return boxes if len(boxes) >= 20 and None not in boxes else None
+
+    for one, two in itertools.combinations(until(drawn), 2):
         is_apart = abs(one["x"] - two["x"]) >= min(one["width"], two["width"])
         assert is_apart or abs(one["y"] - two["y"]) >= one["height"]
     server.call("close", document=document)
