@@ -59,6 +59,7 @@ def screen(
     """Opens pages of the server, each as in a browser of its own; nothing may go wrong in them."""
     contexts: list[Any] = []
     wrong: list[str] = []
+    before = server.documents()
 
     def opened(
         document: str | None = None,
@@ -94,4 +95,7 @@ def screen(
             page.screenshot(path=Path(folder) / f"{request.node.name}-{number}.png")
     for context in contexts:
         context.close()
+    # There may be no more than twenty, and all tests of a process share the server.
+    for document in server.documents() - before:
+        server.call("close", document=document)
     assert wrong == []

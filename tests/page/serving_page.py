@@ -110,6 +110,10 @@ class Server:
         path.write_text(text, encoding="utf-8")
         return self.call("open", path=name)["document"]
 
+    def documents(self) -> set[str]:
+        """Return what is open."""
+        return {one["document"] for one in self.call("hello")["documents"]}
+
     def state(self, document: str) -> dict[str, Any]:
         """Return a document as it is now."""
         return self.call("state", document=document)

@@ -138,6 +138,28 @@ def test_what_is_saved_keeps_the_comments_of_its_file(screen, server):
     assert "# dries at low water" in text
 
 
+def test_what_is_being_typed_stays_while_the_document_changes_elsewhere(screen, server):
+    page = screen(server.open("typed.yaml", STRAIT))
+    panel = page.tab("Scene")
+    field = panel.get_by_role("textbox", name=re.compile("^Risk bound"))
+    field.fill("0.02")
+    changes = [{"path": ["horizon"], "value": 9}]
+    revision = page.state["revision"]
+    server.call("change", document=page.document, revision=revision, changes=changes, label="Set")
+    horizon = panel.get_by_role("textbox", name=re.compile("^Horizon"))
+    until(lambda: horizon.input_value() == "9")
+    assert field.input_value() == "0.02"
+    field.press("Enter")
+    until(lambda: page.content["risk_bound"] == 0.02)
+    field.fill("much")
+    field.press("Enter")
+    until(lambda: field.get_attribute("aria-invalid") == "true")
+    assert field.input_value() == "much"
+    field.press("Escape")
+    until(lambda: field.input_value() == "0.02")
+    assert field.get_attribute("aria-invalid") == "false"
+
+
 def test_all_of_it_is_done_by_keys_alone(screen, server):
     page = screen(server.open("keys.yaml", STRAIT))
     page.map.wait_for()

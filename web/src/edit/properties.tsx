@@ -94,14 +94,24 @@ interface InputProps {
 function Input({ cell, row, content, isWrong, describedBy }: InputProps) {
   const now = get(content, cell.path);
   const misread = useSignal<string | null>(null);
+  // What is being typed: the field is drawn anew whenever anything in the document changes.
+  const typed = useSignal<string | null>(null);
   const label = [row.label, cell.label, row.unit === "" ? "" : `in ${row.unit}`].filter(Boolean).join(" ");
-  const set = (text: string, reset: () => void) => {
+  const clear = () => {
+    typed.value = null;
+    misread.value = null;
+  };
+  const set = (text: string) => {
     const read = parse(text, cell, row);
     misread.value = read.problem;
-    if (read.problem !== null || same(read.value, now)) return;
+    if (read.problem !== null) return;
+    if (same(read.value, now)) {
+      clear();
+      return;
+    }
     const made = read.value === undefined ? { path: cell.path } : { path: cell.path, value: read.value };
-    void change([made], `Set ${row.label.toLowerCase()}`).then((isDone) => {
-      if (!isDone) reset();
+    void change([made], `Set ${row.label.toLowerCase()}`).then(() => {
+      if (typed.peek() === text) clear();
     });
   };
   if (cell.kind === "choice") {
@@ -109,7 +119,7 @@ function Input({ cell, row, content, isWrong, describedBy }: InputProps) {
       <select
         aria-label={label}
         value={typeof now === "string" ? now : textOf(row.otherwise)}
-        onChange={(event) => set(event.currentTarget.value, () => undefined)}
+        onChange={(event) => set(event.currentTarget.value)}
       >
         {cell.choices?.map((choice) => <option key={choice}>{choice}</option>)}
       </select>
@@ -125,17 +135,12 @@ function Input({ cell, row, content, isWrong, describedBy }: InputProps) {
         title={misread.value ?? ""}
         inputMode={cell.kind === "number" ? "decimal" : "text"}
         spellcheck={false}
-        value={textOf(now)}
+        value={typed.value ?? textOf(now)}
         placeholder={row.otherwise === undefined ? "" : textOf(row.otherwise)}
-        onChange={(event) => {
-          const input = event.currentTarget;
-          set(input.value, () => (input.value = textOf(now)));
-        }}
+        onInput={({ currentTarget: { value } }) => (typed.value = value === textOf(now) ? null : value)}
+        onChange={(event) => set(event.currentTarget.value)}
         onKeyDown={(event) => {
-          if (event.key === "Escape") {
-            event.currentTarget.value = textOf(now);
-            misread.value = null;
-          }
+          if (event.key === "Escape") clear();
         }}
       />
     </label>
