@@ -84,7 +84,7 @@ def test_points_that_cost_more_than_allowed_are_none() -> None:
 
 
 def test_a_tree_that_is_cut_short_proves_less() -> None:
-    _, program, margins, _ = _problem(17)
+    _, program, margins, _ = _problem(28)
     model = encode(program, margins)
     whole = HighsBackend().minimize(model, GAP, Limits())
     cut = HighsBackend(most_nodes=5).minimize(model, GAP, Limits())

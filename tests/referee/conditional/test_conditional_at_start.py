@@ -61,4 +61,5 @@ def test_the_value_of_a_random_plan_of_unknown_scale_is_its_certificate(seed: in
     plan = replace(plan, scenario=replace(plan.scenario, covariance_samples=3 + seed % 40))
     value = conditional(witnesses_of(plan), 0, None)
     assert value.total == pytest.approx(certify(plan).certified, rel=1e-7, abs=1e-12)
-    assert value.total * (1.0 - 1e-9) - 1e-11 <= value.least <= value.total
+    # Beside what Gaussians are known to, 0.1 % each way of the sum that stands for Student's t.
+    assert value.total / 1.0195 - 1e-11 <= value.least <= value.total

@@ -32,6 +32,20 @@ def unsure(plan: Plan, samples: int | None) -> Plan:
     return replace(plan, scenario=replace(plan.scenario, covariance_samples=samples))
 
 
+def with_noise(plan: Plan, factor: float) -> Plan:
+    """Return a plan in noise that is known, and the factor times what is stated."""
+    vehicles = tuple(
+        replace(
+            v,
+            initial_covariance=factor * v.initial_covariance,
+            disturbance_covariance=factor * v.disturbance_covariance,
+        )
+        for v in plan.scenario.vehicles
+    )
+    scenario = replace(plan.scenario, vehicles=vehicles, covariance_samples=None)
+    return replace(plan, scenario=scenario)
+
+
 @pytest.mark.parametrize("samples", [3, 10, 200])
 def test_the_tail_is_the_gaussian_one_mixed_over_the_factor(samples):
     levels = np.array([-2.0, -0.3, 0.0, 0.7, 3.0, 6.0])
@@ -110,16 +124,7 @@ def test_missions_collide_as_gaussian_ones_mixed_over_the_factor_and_less_than_c
     factors = samples / chi2.ppf((np.arange(30) + 0.5) / 30, samples)
     mixed = saturated = 0
     for factor in rng.permutation(factors):
-        vehicles = [
-            replace(
-                v,
-                initial_covariance=factor * v.initial_covariance,
-                disturbance_covariance=factor * v.disturbance_covariance,
-            )
-            for v in plan.scenario.vehicles
-        ]
-        known = replace(plan.scenario, vehicles=tuple(vehicles), covariance_samples=None)
-        found = simulate(replace(plan, scenario=known), 400, rng=rng, avoidance=avoidance)
+        found = simulate(with_noise(plan, factor), 400, rng=rng, avoidance=avoidance)
         mixed += found.collisions
         saturated += found.saturated
     for one, other in ((ours.collisions, mixed), (ours.saturated, saturated)):
@@ -131,6 +136,22 @@ def test_missions_collide_as_gaussian_ones_mixed_over_the_factor_and_less_than_c
     assert binomtest(ours.saturated, missions, certificate.saturation,
                      alternative="greater").pvalue > 1e-4  # fmt: skip
     assert ours.collisions > 50
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
+@pytest.mark.parametrize("samples", [4, 30])
+def test_a_certificate_along_intervals_is_that_of_gaussian_noise_mixed_over_the_factor(
+    scene, samples
+):
+    plan = unsure(scene(), samples)
+    # In the middle of fifty equally probable ranges the tail of the factor is missed a little.
+    factors = samples / chi2.ppf((np.arange(50) + 0.5) / 50, samples)
+    known = [certify(with_noise(plan, factor), avoidance="intervals").certified
+             for factor in factors]  # fmt: skip
+    found = certify(plan, avoidance="intervals").certified
+    assert np.mean(known) <= found * (1.0 + 1e-3)
+    assert found <= 1.02 * np.mean(known)
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)

@@ -15,7 +15,7 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.records import dataclass
-from radmpc.referee.bound.bivariate import exceeds_alone
+from radmpc.referee.bound.mixture import exceeds_alone_under
 from radmpc.referee.reserve import held, in_deviations
 from radmpc.referee.sites import Chords, Sites, chords
 from radmpc.referee.tails import exceeding
@@ -114,9 +114,6 @@ def path_charges(sites: Sites, directions: Tensor, crossed: Crossed, parts: int)
         for each in (_held(sites, seen)[0], seen.deviations)
     )
     charged = exceeding(levels, sites.samples)
-    if sites.samples is not None:
-        # What is new in an event is bounded for Gaussians alone: each is charged whole.
-        return _by_step(charged, parts)
     least = TELLING * charged.sum(axis=(0, 2))[:, None] / width
     found, limits = [], []
     for (end, since), (other, until), covariances in _links(sites, crossed, charged.shape):
@@ -128,7 +125,8 @@ def path_charges(sites: Sites, directions: Tensor, crossed: Crossed, parts: int)
         found.append((after, telling))
         limits.append((levels[end][:, since][telling], levels[other][:, until][telling], rho))
     # All in one call, and charged only when all risks have been compared.
-    alone = exceeds_alone(*(np.concatenate(each) for each in zip(*limits, strict=True)))
+    before, after, rho = (np.concatenate(each) for each in zip(*limits, strict=True))
+    alone = exceeds_alone_under(sites.samples, before, after, rho)
     for after, telling in found:
         after[telling], alone = np.split(alone, [np.count_nonzero(telling)])
     return _by_step(charged, parts)

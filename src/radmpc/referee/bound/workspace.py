@@ -6,10 +6,9 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Workspace
-from radmpc.referee.bound.chain import chain_charges
 from radmpc.referee.bound.halfspace import end_risks
 from radmpc.referee.bound.parts import NUM_PARTS, part_sites
-from radmpc.referee.bound.persistence import least_risks, path_charges
+from radmpc.referee.bound.persistence import path_charges
 from radmpc.referee.encounters import Encounters, instant_sites, interval_sites
 from radmpc.referee.motion import FleetMotion
 
@@ -124,15 +123,7 @@ def face_risks(
     found: Vector = np.zeros((count, steps))
     found[:, :-1] = ends[:, :, :-1].sum(axis=2)
     found[:, 1:] += ends[:, :, -1]
-    if near.size and motion.samples is not None:
-        # One direction from end to end: of the events of a step one holds the other.
-        begins = np.zeros((near.size, steps - 1), dtype=bool)
-        least = least_risks(
-            interval_sites(batch.take(near)), np.repeat(each[near], steps - 1, axis=0)
-        )
-        least = least.reshape(near.size, steps - 1, -1)
-        found[near] = chain_charges(least[:, :, :-1], least[:, :, -1], begins)
-    elif near.size:
+    if near.size:
         parts, crossed = part_sites(batch.take(near), motion, NUM_PARTS)
         shape = near.size, NUM_PARTS * (steps - 1), 1, d
         held = np.broadcast_to(each[near, None, None], shape)

@@ -170,13 +170,7 @@ class _Purchase:
         if far.size:
             whole = Choice(far, 0, held[far], begins[far])
             self._take_choice(batch.take(far), numbers[far], whole, shares=0.5)
-        if near.size and batch.samples is not None:
-            # One direction from end to end: of the events of a step one holds the other.
-            runs = np.zeros((near.size, num_intervals), dtype=bool)
-            runs[:, 0] = True
-            nested = Choice(near, 0, held[near], runs)
-            self._take_choice(batch.take(near), numbers[near], nested)
-        elif near.size:
+        if near.size:
             parted = Choice(near, NUM_PARTS, np.repeat(held[near], NUM_PARTS, axis=1), begins[near])
             self._take_choice(batch.take(near), numbers[near], parted)
 
@@ -190,11 +184,8 @@ class _Purchase:
         tracks = self.motion.tracks
         rows = compiled(joined(self.tables, d), parties, loops, tracks)
         widths = np.concatenate([np.zeros(0), *self.widths])
-        if self.motion.samples is None:
-            rows = with_telling_links(rows, widths, loops, parties, plan.scenario.horizon)
-        else:
-            # What is new in an event that does not hold the one before is bounded for Gaussians.
-            rows = replace(rows, before=np.where(rows.nested, rows.before, -1))
+        leg = plan.scenario.horizon, self.motion.samples
+        rows = with_telling_links(rows, widths, loops, parties, leg)
         exact = all_integrals(self.integrals, d)
         strays = places_at(parties, exact.encounters, exact.windows, tracks, d)
         exact = replace(exact, strays=strays)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.records import replace
@@ -14,6 +13,7 @@ from radmpc.referee.conditional.spreads import deviations_of
 from radmpc.referee.conditional.strays import strays_of
 from radmpc.referee.conditional.tables import TimedRows
 from radmpc.referee.reserve import in_deviations
+from radmpc.referee.tails import exceeding
 from radmpc.referee.tracks import Tracks
 
 __all__ = ["compiled", "with_telling_links"]
@@ -98,7 +98,11 @@ def _spread(loops: Loops, first: Indices, other: Indices, are_pairs: Flags) -> T
 
 
 def with_telling_links(
-    rows: HalfspaceRows, widths: Vector, loops: Loops, parties: Parties, horizon: int
+    rows: HalfspaceRows,
+    widths: Vector,
+    loops: Loops,
+    parties: Parties,
+    leg: tuple[int, int | None],
 ) -> HalfspaceRows:
     """Cut the links whose rows the certificate charges whole, because little is gained by them.
 
@@ -112,15 +116,17 @@ def with_telling_links(
         Of the fleet.
     parties : Parties
         The encounters.
-    horizon : int
-        Number of steps T.
+    leg : tuple of int and int or None
+        Number of steps T, and the independent steps that covariances were estimated from; None is
+        that they are known.
     """
+    horizon, samples = leg
     if not (rows.before >= 0).any():
         return rows
     noise = since(loops, horizon, 0, is_measured=False)
     noise = together(noise, loops, parties.first, parties.others)
     spread = deviations_of(rows, parties, noise)
-    charged = ndtr(-in_deviations(rows.margins, spread))
+    charged = exceeding(in_deviations(rows.margins, spread), samples)
     sums = np.bincount(rows.encounters, charged, len(parties.causes))
     least = (TELLING * sums / widths)[rows.encounters]
     telling = (charged > least) & (charged[rows.before] > 1e-3 * charged)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.records import dataclass
 from radmpc.referee.bound.bivariate import exceeds_alone
 from radmpc.referee.bound.bounds import site_risks
+from radmpc.referee.bound.mixture import exceeds_alone_mixed
 from radmpc.referee.bound.search import NEGLIGIBLE
 from radmpc.referee.common import relative
 from radmpc.referee.conditional.loops import Loops, Since
@@ -102,26 +103,31 @@ def halfspace_values(
         if ends.any():
             found = _ended(rows, parties, noise, deviations)
             levels_before[ends], spread_before[ends] = found[0][ends] / larger, found[1][ends]
-        if scale.samples is not None:
-            return _nested_values(above, linked, levels_before, scale.samples)
         rho = correlations(rows, parties, noise, spread, spread_before)
         row, sample = np.nonzero(above[linked] > _NOTHING)
         below[linked] = 0.0
         row = linked[row]
-        alone = exceeds_alone(levels_before[row, sample], levels[row, sample], rho[row])
-        above[row, sample] = alone
-        below[row, sample] = alone / np.where(rows.nested[row], 1.0, _LOOSEST)
+        limits = levels_before[row, sample], levels[row, sample]
+        found = _alone(limits, rho[row], rows.nested[row], scale.samples)
+        above[row, sample], below[row, sample] = found
     return Values(above, below)
 
 
-def _nested_values(above: Matrix, linked: Indices, before: Matrix, samples: int) -> Values:
-    """Return values where rows are charged without those before that they hold, or are held by."""
-    alone = above[linked] - exceeding(before[linked], samples)
-    # What cancels leaves the rounding of both.
-    rounding = _STUDENT_ROUNDING * above[linked]
-    below = above.copy()
-    above[linked], below[linked] = alone.clip(min=0.0) + rounding, (alone - rounding).clip(min=0.0)
-    return Values(above, below)
+def _alone(
+    limits: tuple[Vector, Vector], correlation: Vector, nested: Flags, samples: int | None
+) -> tuple[Vector, Vector]:
+    """Return bounds on the probability of rows without those before, (E,) each."""
+    if samples is None:
+        alone = exceeds_alone(*limits, correlation)
+        return alone, alone / np.where(nested, 1.0, _LOOSEST)
+    above, below = exceeds_alone_mixed(*limits, correlation, samples)
+    below /= _LOOSEST
+    # Of nested events the difference is exact, but for what cancels: the rounding of both.
+    before, own = (exceeding(each[nested], samples) for each in limits)
+    rounding = _STUDENT_ROUNDING * own
+    above[nested] = (own - before).clip(min=0.0) + rounding
+    below[nested] = (own - before - rounding).clip(min=0.0)
+    return above, below
 
 
 def _ended(
