@@ -110,6 +110,39 @@ def test_two_pages_show_the_same_document(screen, server):
     until(lambda: one.button("Redo").is_enabled())
 
 
+def test_what_is_typed_stays_with_its_vehicle_when_another_page_removes_one_before_it(
+    screen, server
+):
+    document = server.open("typed.yaml", STRAIT)
+    page = screen(document)
+    page.tab("Scene")
+    page.page.get_by_role("option", name=re.compile("^ferry")).first.click()
+    field = page.page.get_by_role("textbox", name="Radius in m")
+    field.press_sequentially("0.3")
+    revision = server.state(document)["revision"]
+    change = [{"path": ["vehicles", 0]}]
+    server.call("change", document=document, revision=revision, changes=change, label="Remove")
+    page.page.get_by_text("1 vehicle, 1 obstacle").wait_for()
+    # Where the focus still is.
+    page.page.keyboard.type("5")
+    page.page.keyboard.press("Enter")
+    until(lambda: [v.get("radius") for v in page.content["vehicles"]] == [0.35])
+    page.page.get_by_role("heading", name="ferry").wait_for()
+
+
+def test_what_is_open_and_never_saved_is_found_again_after_another_was_opened(screen, server):
+    server.open("other.yaml", STRAIT)
+    page = screen()
+    for choice in (page.button("Empty scenario"), page.button(re.compile("^other.yaml"))):
+        page.button("Open or new").first.click()
+        choice.click()
+        page.page.locator("dialog").wait_for(state="hidden")
+    page.tab("Scene").get_by_text("2 vehicles, 1 obstacle").wait_for()
+    page.button("Open or new").first.click()
+    page.button("untitled", exact=True).last.click()
+    page.tab("Scene").get_by_text("0 vehicles, 0 obstacles").wait_for()
+
+
 def test_a_chart_dropped_on_the_page_becomes_obstacles(screen):
     page = screen()
     page.button("Open or new").first.wait_for()

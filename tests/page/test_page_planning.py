@@ -185,3 +185,24 @@ def test_all_of_it_is_done_by_keys_alone(screen, server):
     for key in ("ArrowLeft", "Enter", "Shift+ArrowUp", "Enter"):
         keys.press(key)
     until(lambda: len(page.content["vehicles"]) == 3)
+
+
+def test_keys_save_what_is_being_typed_and_work_with_the_focus_on_a_slider(screen, server):
+    document = server.open("keyed.yaml", STRAIT)
+    page = screen(document)
+    page.tab("Scene").get_by_role("option", name=re.compile("^tug")).first.click()
+    field = page.page.get_by_role("textbox", name="Radius in m")
+    field.fill("0.35")
+    page.page.keyboard.press("Control+s")
+    page.sees(re.compile("^Saved as"))
+    assert "0.35" in (server.folder / "keyed.yaml").read_text(encoding="utf-8")
+    # The field still has the focus, and its own keys.
+    page.page.keyboard.press("End")
+    page.page.keyboard.type("n")
+    assert field.input_value() == "0.35n"
+    field.press("Escape")
+    page.tab("Plan").get_by_role("slider").focus()
+    page.page.keyboard.press("Control+z")
+    until(lambda: "radius" not in page.content["vehicles"][0])
+    page.page.keyboard.press("n")
+    page.sees("Click where the vehicle starts")

@@ -76,6 +76,12 @@ def test_a_plan_is_flown_and_its_ticks_are_told(screen, strait):
     page = shown(screen, strait)
     panel = page.tab("Flight")
     panel.get_by_label("Pace").select_option("0")
+    panel.get_by_label("Log file").fill("kept.flight.jsonl")
+    page.tab("Risk")
+    page.tab("Flight")
+    assert panel.get_by_label("Pace").input_value() == "0"
+    assert panel.get_by_label("Log file").input_value() == "kept.flight.jsonl"
+    panel.get_by_label("Log file").fill("")
     page.button("Fly", exact=True).click()
     until(lambda: page.state["flights"] and page.state["flights"][-1]["state"] != "running", 90.0)
     flight = page.state["flights"][-1]

@@ -90,6 +90,24 @@ def test_what_is_wrong_is_told_at_its_place_while_the_last_view_stays(harbor):
     assert caught.value.path == ["vehicles", 1, "radius"]
 
 
+def test_paths_of_a_view_lead_to_what_it_shows_when_entries_go_while_something_is_wrong(harbor):
+    page, state = harbor
+    names = [vehicle["name"] for vehicle in state["content"]["vehicles"]]
+    state = move(page, state, "x", ("vehicles", 0, "start"))
+    state = page.call(
+        "change",
+        document=state["document"],
+        revision=state["revision"],
+        changes=[{"path": ["vehicles", 1]}],
+        label="remove",
+    )
+    told = {vehicle["name"]: vehicle["path"] for vehicle in state["view"]["vehicles"]}
+    assert told == {name: ["vehicles", i] for i, name in enumerate(names[2:], 1)}
+    state = page.call("undo", document=state["document"], revision=state["revision"])
+    told = {vehicle["name"]: vehicle["path"] for vehicle in state["view"]["vehicles"]}
+    assert told == {name: ["vehicles", i] for i, name in enumerate(names[1:], 1)}
+
+
 def test_drawing_begins_from_nothing(site):
     page = site.page()
     state = page.call("new", template=None)

@@ -1,9 +1,10 @@
 /** What an operator can ask the server for; what it refuses is told in a notice. */
 
-import { batch } from "@preact/signals";
+import { batch, type Signal } from "@preact/signals";
 import { call, CallError, connect, listen, onOpen } from "./connection";
 import type { Change, DocumentState, Event, FlightState, PlanView, SearchState } from "./protocol";
 import { accept, document } from "./state/document";
+import { followed } from "./state/following";
 import { comparedId, shownId, summaries, trails, views } from "./state/plans";
 import { seek } from "./state/playback";
 import { kept } from "./state/restore";
@@ -54,6 +55,8 @@ export function turnTo({ flights, plans }: DocumentState): void {
 export function show(state: DocumentState): void {
   batch(() => {
     if (document.peek()?.document !== state.document) {
+      wanted.shown += 1;
+      wanted.compared += 1;
       selected.value = null;
       comparedId.value = null;
       shownId.value = null;
@@ -76,13 +79,18 @@ export async function attempt<T>(promise: Promise<T>): Promise<T | null> {
 /** Changes wait for one another, as each is made to the revision that the one before leaves. */
 let last: Promise<unknown> = Promise.resolve();
 
+/** Once all changes that were asked for have been answered. */
+export async function idle(): Promise<void> {
+  await last;
+}
+
 function next(make: (state: DocumentState) => Promise<DocumentState> | null): Promise<boolean> {
   const done = last.then(async () => {
     const state = document.peek();
     const asked = state === null ? null : make(state);
     if (asked === null) return false;
     try {
-      accept(await asked);
+      take(await asked);
       return true;
     } catch (error) {
       await refused(error);
@@ -102,12 +110,43 @@ async function refused(error: unknown): Promise<void> {
   }
   complain(new Error("Changed on another page meanwhile; look at it, then do it again"));
   const newest = await attempt(call("state", { document: state.document }));
-  if (newest !== null) accept(newest);
+  if (newest !== null) take(newest);
 }
 
-/** Change the document: one step of undo, named by `label`. */
-export function change(changes: readonly Change[], label: string): Promise<boolean> {
-  return next(({ document: id, revision }) => call("change", { document: id, revision, changes, label }));
+/** Take the state of the document that is shown, not of one that was shown when it was asked for. */
+function take(state: DocumentState): void {
+  if (state.document === document.peek()?.document) accept(state);
+}
+
+/** Changes as they are made to a document; null where there is none to make. */
+export type Making = (state: DocumentState) => readonly Change[] | null;
+
+/**
+ * Change the document: one step of undo, named by `label`.
+ *
+ * Changes that were asked for before may be answered later: `changes` then go where the things are
+ * that they were meant for.
+ */
+export function change(changes: readonly Change[] | Making, label: string): Promise<boolean> {
+  const asked = document.peek();
+  return next((state) => {
+    if (asked?.document !== state.document) {
+      complain(new Error(`Another document was opened before this was done: ${label}`));
+      return null;
+    }
+    const made = typeof changes === "function" ? changes(state) : carried(changes, asked, state);
+    if (made === null) return null;
+    return call("change", { document: state.document, revision: state.revision, changes: made, label });
+  });
+}
+
+/** The same changes in a document that has changed since; null once one of their things is gone. */
+function carried(changes: readonly Change[], asked: DocumentState, state: DocumentState): readonly Change[] | null {
+  if (asked.content === state.content) return changes;
+  const paths = changes.map((one) => followed(asked.content, state.content, one.path));
+  if (!paths.includes(null)) return changes.map((one, i) => ({ ...one, path: paths[i] ?? one.path }));
+  complain(new Error("What was to be changed has been removed meanwhile"));
+  return null;
 }
 
 export function undo(): Promise<boolean> {
@@ -118,16 +157,24 @@ export function redo(): Promise<boolean> {
   return next(({ document: id, revision, canRedo }) => (canRedo ? call("redo", { document: id, revision }) : null));
 }
 
+/** The plans that were asked for last: what comes later than they do is not shown. */
+const wanted = { shown: 0, compared: 0 };
+
 /** Show a plan on the map. */
-export async function showPlan(plan: string | null, isNews = false): Promise<void> {
-  if (plan !== null) await loadPlan(plan, isNews);
-  shownId.value = plan;
+export function showPlan(plan: string | null, isNews = false): Promise<void> {
+  return turnToPlan("shown", shownId, plan, isNews);
 }
 
 /** Compare the plan shown with another. */
-export async function comparePlan(plan: string | null): Promise<void> {
-  if (plan !== null) await loadPlan(plan);
-  comparedId.value = plan;
+export function comparePlan(plan: string | null): Promise<void> {
+  return turnToPlan("compared", comparedId, plan);
+}
+
+async function turnToPlan(kind: keyof typeof wanted, id: Signal<string | null>, plan: string | null, isNews = false): Promise<void> {
+  wanted[kind] += 1;
+  const turn = wanted[kind];
+  if (plan !== null) await loadPlan(plan, isNews);
+  if (turn === wanted[kind]) id.value = plan;
 }
 
 async function loadPlan(plan: string, isNews = false): Promise<PlanView | null> {
@@ -149,6 +196,12 @@ function withSearch(state: DocumentState, search: SearchState): DocumentState {
   return { ...state, searches: [...others, search] };
 }
 
+/** Take a search as the server has it. */
+export function takeSearch(search: SearchState): void {
+  const state = document.peek();
+  if (state?.document === search.document) document.value = withSearch(state, search);
+}
+
 function hear(event: Event): void {
   if (event.event === "judging") judging.value = event.state.isOver ? null : event.state;
   const state = document.peek();
@@ -158,7 +211,7 @@ function hear(event: Event): void {
       if (event.state.document === state.document) accept(event.state);
       break;
     case "search":
-      if (event.state.document === state.document) document.value = withSearch(state, event.state);
+      takeSearch(event.state);
       break;
     case "plan":
       if (event.document === state.document) hearPlan(state, event);

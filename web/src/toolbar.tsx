@@ -122,7 +122,11 @@ function LayerMenu() {
     <details
       class="menu"
       onKeyDown={(event) => {
-        if (event.key === "Escape") event.currentTarget.open = false;
+        if (event.key !== "Escape" || !event.currentTarget.open) return;
+        event.currentTarget.open = false;
+        event.currentTarget.querySelector("summary")?.focus();
+        // It lets go of nothing else.
+        event.preventDefault();
       }}
     >
       <summary class="icon-button" aria-label="Layers" title="Layers">

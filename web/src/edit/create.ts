@@ -1,8 +1,8 @@
 /** New things, as changes of the document. */
 
 import { change } from "../actions";
-import type { Change, Document, Json, Path } from "../protocol";
-import { document } from "../state/document";
+import type { Change, Document, DocumentState, Json, Path } from "../protocol";
+import { document, Held } from "../state/document";
 import { activeHandle } from "./drag";
 import { clean, get, isList, isMapping } from "./paths";
 import { selected, type Thing } from "../state/selection";
@@ -24,10 +24,17 @@ type Point = readonly [number, number];
 
 /** A vehicle from a start to a goal [m]. */
 export async function addVehicle(start: Point, goal: Point): Promise<void> {
-  const state = document.peek();
-  if (state === null) return;
-  const vehicles = listOf(state.content, "vehicles");
-  const defaults = state.content["defaults"];
+  let index = 0;
+  const make = ({ content }: DocumentState) => {
+    index = listOf(content, "vehicles").length;
+    return withVehicle(content, start, goal);
+  };
+  if (await change(make, "Add a vehicle")) pick({ kind: "vehicle", path: ["vehicles", index] });
+}
+
+function withVehicle(content: Document, start: Point, goal: Point): readonly Change[] {
+  const vehicles = listOf(content, "vehicles");
+  const defaults = content["defaults"];
   const last = vehicles.at(-1);
   const missing = Object.entries(FIRST).filter(
     ([key]) => get(defaults, [key]) === undefined && !(key === "speed_limit" && vehicles.length > 0),
@@ -36,16 +43,16 @@ export async function addVehicle(start: Point, goal: Point): Promise<void> {
   const vehicle: Json = {
     name: freeName(vehicles, "vehicle"),
     ...(vehicles.length > 0 ? Object.fromEntries(own.filter(([key]) => isNeeded(key, last))) : {}),
-    start: fill(start, state.content),
-    goal: { center: fill(goal, state.content), half_width: usualHalfWidth(vehicles) },
+    start: fill(start, content),
+    goal: { center: fill(goal, content), half_width: usualHalfWidth(vehicles) },
   };
-  const changes: Change[] = [appended(state.content, "vehicles", vehicle)];
+  const changes: Change[] = [appended(content, "vehicles", vehicle)];
   // A first vehicle's properties are the defaults of those to come.
   if (vehicles.length === 0) {
     for (const [key, value] of own) changes.push({ path: ["defaults", key], value });
     if (!isMapping(defaults)) changes.splice(1, own.length, { path: ["defaults"], value: Object.fromEntries(own) });
   }
-  if (await change(changes, "Add a vehicle")) pick({ kind: "vehicle", path: ["vehicles", vehicles.length] });
+  return changes;
 }
 
 function isNeeded(key: string, last: Json | undefined): boolean {
@@ -66,30 +73,33 @@ function usualHalfWidth(vehicles: readonly Json[]): Json {
   return get(vehicles.at(-1), ["goal", "half_width"]) ?? HALF_WIDTH;
 }
 
-/** A place to visit, after those that the vehicle visits already. */
-export async function addWaypoint(vehicle: number, at: Point): Promise<void> {
-  const state = document.peek();
-  if (state === null) return;
-  const path: Path = ["vehicles", vehicle, "via"];
-  const via = get(state.content, path);
-  const inherited = get(state.content, ["defaults", "via"]);
-  const list = isList(via) ? via : isList(inherited) ? inherited : [];
-  const visit: Json = { center: fill(at, state.content), half_width: usualHalfWidth(listOf(state.content, "vehicles")) };
-  const made = isList(via)
-    ? { path: [...path, list.length], value: visit }
-    : { path, value: [...list, visit] };
-  if (await change([made], "Add a waypoint")) pick({ kind: "waypoint", path: [...path, list.length] });
+/** A place to visit, after those that the vehicle visits already: the one that a thing belongs to. */
+export async function addWaypoint(thing: Thing, at: Point): Promise<void> {
+  const vehicle = new Held({ kind: "vehicle", path: thing.path.slice(0, 2) });
+  let place: Path = [];
+  const make = ({ content }: DocumentState) => {
+    if (vehicle.thing === null) return null;
+    const path: Path = [...vehicle.thing.path, "via"];
+    const via = get(content, path);
+    const inherited = get(content, ["defaults", "via"]);
+    const list = isList(via) ? via : isList(inherited) ? inherited : [];
+    const visit: Json = { center: fill(at, content), half_width: usualHalfWidth(listOf(content, "vehicles")) };
+    place = [...path, list.length];
+    return [isList(via) ? { path: place, value: visit } : { path, value: [...list, visit] }];
+  };
+  if (await change(make, "Add a waypoint")) pick({ kind: "waypoint", path: place });
 }
 
 /** An obstacle through the points drawn. */
 export async function addObstacle(kind: "polygon" | "box" | "line", points: readonly Point[]): Promise<void> {
-  const state = document.peek();
-  if (state === null) return;
-  const obstacles = listOf(state.content, "obstacles");
-  const name = freeName(obstacles, kind === "line" ? "wall" : "obstacle");
-  const value: Json = { name, ...described(kind, points, state.content) };
-  const isDone = await change([appended(state.content, "obstacles", value)], "Add an obstacle");
-  if (isDone) pick({ kind: "obstacle", path: ["obstacles", obstacles.length] });
+  let index = 0;
+  const make = ({ content }: DocumentState) => {
+    const obstacles = listOf(content, "obstacles");
+    const name = freeName(obstacles, kind === "line" ? "wall" : "obstacle");
+    index = obstacles.length;
+    return [appended(content, "obstacles", { name, ...described(kind, points, content) })];
+  };
+  if (await change(make, "Add an obstacle")) pick({ kind: "obstacle", path: ["obstacles", index] });
 }
 
 function described(
@@ -122,10 +132,18 @@ export async function addWorkspace(): Promise<void> {
 export async function remove(thing: Thing): Promise<void> {
   const view = document.peek()?.view;
   if (view == null || thing.kind === "goal") return;
-  const path = thing.kind === "waypoint" && view.vehicles[Number(thing.path[1])]?.via.length === 1
-    ? thing.path.slice(0, 3)
-    : thing.path;
-  if (await change([{ path }], `Remove ${nameOf(view, thing)}`)) pick(null);
+  const held = new Held(thing);
+  const make = ({ content }: DocumentState) => {
+    if (held.thing === null) return null;
+    const { path } = held.thing;
+    const list = get(content, path.slice(0, -1));
+    const isLast = thing.kind === "waypoint" && isList(list) && list.length === 1;
+    return [{ path: isLast ? path.slice(0, -1) : path }];
+  };
+  // At once: the second of two quick clicks would remove what comes to be at its place.
+  if (selected.peek() === thing) pick(null);
+  const isDone = await change(make, `Remove ${nameOf(view, thing)}`);
+  if (!isDone && selected.peek() === null) pick(held.thing);
 }
 
 /** Select a thing. */

@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals";
 import { change } from "../actions";
 import type { Box, Change, DocumentState, GoalView, Handle, ObstacleView, Path, ScenarioView } from "../protocol";
-import { document, echo } from "../state/document";
+import { document, type Echo, echoes, Held, withEchoes } from "../state/document";
 import { samePath, type Thing } from "../state/selection";
 import { clean, get, keyOf } from "./paths";
 import { handlesOf, nameOf } from "./things";
@@ -27,25 +27,79 @@ function round(value: number, digits: number): number {
   return Math.round(value * factor) / factor;
 }
 
-/** Show a handle moved by (dx, dy) [m] from where the server has it. */
-export function show(thing: Thing, index: number, dx: number, dy: number): void {
-  const view = document.peek()?.view;
-  if (view != null) echo.value = moved(view, thing, index, dx, dy);
-}
+/** A handle on its way: shown moved at once, whatever else becomes of the document meanwhile. */
+export class Drag {
+  readonly index: number;
+  readonly #held: Held;
+  #by: readonly [dx: number, dy: number] = [0, 0];
+  #echo: Echo | null = null;
 
-/** Tell the server; what is shown stays until it answers. */
-export async function finish(thing: Thing, index: number, dx: number, dy: number): Promise<void> {
-  const state = document.peek();
-  const handle = state?.view == null ? undefined : handlesOf(state.view, thing)[index];
-  if (state?.view == null || handle === undefined || (dx === 0 && dy === 0)) {
-    echo.value = null;
-    return;
+  constructor(thing: Thing, index: number) {
+    this.#held = new Held(thing);
+    this.index = index;
   }
-  const changes = cornersInstead(state.content, state.view, thing, index, dx, dy) ?? [
-    ...changesAlong(handle.x, dx, (path) => get(state.content, path)),
-    ...changesAlong(handle.y, dy, (path) => get(state.content, path)),
-  ];
-  if (!(await change(changes, `Move ${nameOf(state.view, thing)}`))) echo.value = null;
+
+  /** As it is now; null once it is gone. */
+  get thing(): Thing | null {
+    return this.#held.thing;
+  }
+
+  /** By how much it goes [m]. */
+  get by(): readonly [dx: number, dy: number] {
+    return this.#by;
+  }
+
+  /** The handle where it would be without this; undefined once it is gone. */
+  get handle(): Handle | undefined {
+    const view = withEchoes(echoes.peek().filter((echo) => echo !== this.#echo));
+    return view === null || this.thing === null ? undefined : handlesOf(view, this.thing)[this.index];
+  }
+
+  /** Show it moved by (dx, dy) [m]. */
+  show(dx: number, dy: number): void {
+    this.#by = [dx, dy];
+    this.#put(false);
+  }
+
+  /** Show it where it was. */
+  drop(): void {
+    echoes.value = echoes.peek().filter((echo) => echo !== this.#echo);
+    this.#echo = null;
+  }
+
+  /** Tell the server; what is shown stays until it answers. */
+  async finish(): Promise<void> {
+    const [dx, dy] = this.#by;
+    const view = document.peek()?.view;
+    if (view == null || this.thing === null || this.handle === undefined || (dx === 0 && dy === 0)) {
+      this.drop();
+      return;
+    }
+    this.#put(true);
+    await change((state) => this.#changes(state), `Move ${nameOf(view, this.thing)}`);
+    this.drop();
+  }
+
+  #put(isSent: boolean): void {
+    const [dx, dy] = this.#by;
+    const edit = (view: ScenarioView) => (this.thing === null ? view : moved(view, this.thing, this.index, dx, dy));
+    const others = echoes.peek().filter((echo) => echo !== this.#echo);
+    this.#echo = { edit, isSent };
+    echoes.value = [...others, this.#echo];
+  }
+
+  #changes({ content, view }: DocumentState): readonly Change[] | null {
+    const { thing, index } = this;
+    const [dx, dy] = this.#by;
+    const handle = view === null || thing === null ? undefined : handlesOf(view, thing)[index];
+    if (view === null || thing === null || handle === undefined) return null;
+    return (
+      cornersInstead(content, view, thing, index, dx, dy) ?? [
+        ...changesAlong(handle.x, dx, (path) => get(content, path)),
+        ...changesAlong(handle.y, dy, (path) => get(content, path)),
+      ]
+    );
+  }
 }
 
 /** Of what is described by half-spaces no number is a corner's: its corners take their place. */
@@ -128,7 +182,7 @@ function withVehicle(
   path: Path,
   edit: (vehicle: ScenarioView["vehicles"][number]) => ScenarioView["vehicles"][number],
 ): ScenarioView {
-  return { ...view, vehicles: view.vehicles.map((vehicle, i) => (i === path[1] ? edit(vehicle) : vehicle)) };
+  return { ...view, vehicles: view.vehicles.map((vehicle) => (vehicle.path[1] === path[1] ? edit(vehicle) : vehicle)) };
 }
 
 function movedGoal(goal: GoalView, shift: Shift): GoalView {

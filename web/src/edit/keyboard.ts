@@ -4,7 +4,7 @@ import { redo, undo } from "../actions";
 import { save } from "../files/saving";
 import { helpIsOpen } from "../state/session";
 import { selected } from "../state/selection";
-import { drawn, seek, togglePlaying } from "../state/playback";
+import { drawn, goTo, togglePlaying } from "../state/playback";
 import { camera, fit, panBy, zoom } from "../scene/viewport";
 import { insertCorner, removeCorner } from "./corners";
 import { remove, pick } from "./create";
@@ -38,7 +38,7 @@ export const KEYS: readonly (readonly [string, string])[] = [
   ["Backspace", "Take back the last point; remove the chosen corner of an obstacle"],
   ["Insert, double click", "A new corner after the chosen one; on the edge"],
   ["Delete", "Remove what is selected"],
-  ["Escape", "Drop what is being drawn; let go of what is selected"],
+  ["Escape", "Drop what is being drawn or dragged; let go of what is selected"],
   ["+ and −", "Zoom"],
   ["F", "Show all"],
   ["Space", "Play and pause"],
@@ -47,10 +47,21 @@ export const KEYS: readonly (readonly [string, string])[] = [
   ["Ctrl + S", "Save"],
 ];
 
-function isTyping(event: KeyboardEvent): boolean {
-  const { target } = event;
+/** Fields into which nothing is typed. */
+const POINTED = "input[type=checkbox], input[type=radio], input[type=range]";
+
+function isTyping({ target }: KeyboardEvent): boolean {
   if (!(target instanceof HTMLElement)) return false;
-  return target.closest("input, textarea, select, dialog, [contenteditable]") !== null;
+  if (target.closest("textarea, select, dialog, [contenteditable]") !== null) return true;
+  return target.closest("input") !== null && !target.matches(POINTED);
+}
+
+/** Take what is being typed, as leaving the field would. */
+function takeTyped(): void {
+  const field = document.activeElement;
+  if (!(field instanceof HTMLInputElement)) return;
+  field.blur();
+  field.focus({ preventScroll: true });
 }
 
 /** Keys that work everywhere on the page; called once. */
@@ -66,7 +77,8 @@ export function listenToKeys(): void {
 function command(event: KeyboardEvent): boolean {
   const key = event.key.toLowerCase();
   if (key === "s") {
-    void settle().then(save);
+    takeTyped();
+    void save();
     return true;
   }
   // In a field, undo is that of the field.
@@ -104,7 +116,7 @@ function plain(event: KeyboardEvent): boolean {
       return true;
     case " ":
       // Buttons, boxes and lists do something else with it.
-      if (event.target instanceof HTMLElement && event.target.closest("button, summary, a, [role=option]") !== null) return false;
+      if (event.target instanceof HTMLElement && event.target.closest("button, summary, a, input, [role=option]") !== null) return false;
       togglePlaying();
       return true;
     default:
@@ -159,10 +171,10 @@ function other(event: KeyboardEvent): boolean {
       zoom(0.8);
       return true;
     case "Home":
-      seek(0);
+      goTo(0);
       return true;
     case "End":
-      seek(Infinity);
+      goTo(Infinity);
       return true;
     case "Insert":
       void settle().then(() => insertCorner());

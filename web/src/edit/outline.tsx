@@ -50,7 +50,7 @@ export function Outline() {
           </button>
         )}
       </header>
-      {thingsOf(view).length > 12 && (
+      {(thingsOf(view).length > 12 || filter.value !== "") && (
         <input
           type="search"
           aria-label="Filter things"

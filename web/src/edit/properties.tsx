@@ -5,7 +5,7 @@ import { change } from "../actions";
 import type { Document, Json, Remark } from "../protocol";
 import { document, remarks } from "../state/document";
 import { drawn } from "../state/playback";
-import { selected } from "../state/selection";
+import { selected, type Thing, turnOf } from "../state/selection";
 import { remove } from "./create";
 import { fieldsOf, type Cell, type Row } from "./fields";
 import { get, startsWith } from "./paths";
@@ -41,12 +41,18 @@ export function Properties() {
         <fieldset key={group.title}>
           <legend class={i > 0 ? "" : "unseen"}>{group.title}</legend>
           {group.rows.map((row) => (
-            <FieldRow key={row.path.join(".") + row.label} row={row} content={state.content} />
+            <FieldRow key={keyOf(row, thing)} row={row} content={state.content} />
           ))}
         </fieldset>
       ))}
     </section>
   );
+}
+
+/** The same for a field however the place of its thing changes: what is typed into it stays in it. */
+function keyOf(row: Row, thing: Thing | null): string {
+  const own = row.path.slice(thing?.path.length ?? 0).join(".");
+  return `${thing === null ? 0 : turnOf(thing)} ${own} ${row.label}`;
 }
 
 function FieldRow({ row, content }: { row: Row; content: Document }) {
@@ -58,7 +64,7 @@ function FieldRow({ row, content }: { row: Row; content: Document }) {
       <span class="cells">
         {row.cells.map((cell) => (
           <Input
-            key={cell.path.join(".")}
+            key={cell.path.slice(row.path.length).join(".")}
             cell={cell}
             row={row}
             content={content}

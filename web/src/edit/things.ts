@@ -5,11 +5,18 @@ import { samePath, type Thing } from "../state/selection";
 import { startsWith } from "./paths";
 
 export function vehicleAt(scenario: ScenarioView, path: Path): VehicleView | null {
-  return path[0] === "vehicles" ? (scenario.vehicles[Number(path[1])] ?? null) : null;
+  return path[0] === "vehicles" ? entryAt(scenario.vehicles, path) : null;
 }
 
 export function obstacleAt(scenario: ScenarioView, path: Path): ObstacleView | null {
-  return path[0] === "obstacles" ? (scenario.obstacles[Number(path[1])] ?? null) : null;
+  return path[0] === "obstacles" ? entryAt(scenario.obstacles, path) : null;
+}
+
+/** A view may lack entries of the document: those that cannot be drawn. */
+function entryAt<E extends { readonly path: Path }>(entries: readonly E[], path: Path): E | null {
+  const isIt = (entry: E | undefined): entry is E => entry !== undefined && entry.path[1] === path[1];
+  const at = entries[Number(path[1])];
+  return isIt(at) ? at : (entries.find(isIt) ?? null);
 }
 
 /** A goal, or a place to visit. */

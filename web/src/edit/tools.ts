@@ -20,6 +20,8 @@ export const tool = signal<Tool>("select");
 
 export const draft = signal<Draft | null>(null);
 
+const NO_VEHICLE = "Select the vehicle first that is to visit a place";
+
 /** What to do next with a tool, in words. */
 export function hintOf(name: Tool, count: number): string {
   switch (name) {
@@ -40,7 +42,7 @@ export function hintOf(name: Tool, count: number): string {
 
 export function choose(name: Tool): void {
   if (name === "waypoint" && selected.peek()?.path[0] !== "vehicles") {
-    tell("Select the vehicle first that is to visit a place");
+    tell(NO_VEHICLE);
     return;
   }
   tool.value = name;
@@ -85,7 +87,7 @@ export function end(): void {
   const now = draft.peek();
   if (now === null) return;
   const [first, second] = now.points;
-  const vehicle = Number(selected.peek()?.path[1]);
+  const thing = selected.peek();
   switch (now.tool) {
     case "vehicle":
       if (first === undefined || second === undefined) return;
@@ -93,7 +95,9 @@ export function end(): void {
       break;
     case "waypoint":
       if (first === undefined) return;
-      void addWaypoint(vehicle, first);
+      // Another thing may have been selected, or this one removed, since the tool was taken up.
+      if (thing?.path[0] === "vehicles") void addWaypoint(thing, first);
+      else tell(NO_VEHICLE);
       break;
     case "box":
       if (now.points.length < 2) return;

@@ -29,7 +29,14 @@ interface ModalProps {
 
 function Modal({ title, close, children }: ModalProps) {
   const element = useRef<HTMLDialogElement>(null);
-  useEffect(() => element.current?.showModal(), []);
+  useEffect(() => {
+    const before = window.document.activeElement;
+    element.current?.showModal();
+    // One that is taken away without being closed leaves the focus nowhere.
+    return () => {
+      if (before instanceof HTMLElement) before.focus({ preventScroll: true });
+    };
+  }, []);
   return (
     <dialog ref={element} class="modal" aria-labelledby="modal-title" onClose={close}>
       <header>
@@ -48,6 +55,7 @@ function OpenDialog() {
   const filter = useSignal("");
   useEffect(() => {
     call("files", {}).then((found) => (files.value = found), complain);
+    call("hello", {}).then((now) => (hello.value = now), complain);
   }, []);
   const known = hello.value;
   const wanted = filter.value.toLowerCase();

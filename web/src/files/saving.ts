@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import { attempt, show, showPlan, turnTo } from "../actions";
 import { call, CallError } from "../connection";
+import { settled } from "../edit/nudge";
 import { document } from "../state/document";
 import { complain, tell } from "../state/session";
 
@@ -46,10 +47,13 @@ export async function save(): Promise<void> {
 
 /** Save; true when done, else in words why not. */
 export async function saveAs(path: string, overwrite: boolean): Promise<true | string> {
+  await settled();
   const state = document.peek();
   if (state === null) return "nothing is open";
   try {
-    show(await call("save", { document: state.document, path, overwrite }));
+    const saved = await call("save", { document: state.document, path, overwrite });
+    // Another may have been opened meanwhile.
+    if (document.peek()?.document === saved.document) show(saved);
     tell(`Saved as ${path}`);
     return true;
   } catch (error) {

@@ -1,18 +1,22 @@
 /** What the panels ask the server for, and what they keep between one drawing and the next. */
 
-import { computed, effect, signal } from "@preact/signals";
-import { attempt, simulate, showPlan, takeFlight } from "../actions";
+import { computed, effect, signal, type Signal } from "@preact/signals";
+import { attempt, simulate, showPlan, takeFlight, takeSearch } from "../actions";
 import { call, line } from "../connection";
+import { settled } from "../edit/nudge";
 import type { Remark, SearchState } from "../protocol";
 import { document, remarks, scenario } from "../state/document";
 import { flight, flightId, flights } from "../state/flights";
 import { searches, shown, shownId } from "../state/plans";
-import { dt, seek } from "../state/playback";
+import { dt, isFollowing, isPlaying, seek } from "../state/playback";
 import { tell } from "../state/session";
 import type { FlightOrder } from "./flight";
 import type { Moment, Wishes } from "./search";
 
 export const wishes = signal<Wishes>({ planner: "certified", seconds: 60, gap: null });
+
+/** How the next plan is to be flown. */
+export const order = signal<FlightOrder>({ seed: 0, pace: 5, replans: true, log: "" });
 
 /** Δ of the next search where it is not the scenario's. */
 export const chosenBound = signal<number | null>(null);
@@ -24,9 +28,6 @@ export const nextBound = computed(() => chosenBound.value ?? scenario.value?.ris
 export const riskVehicle = signal<string | null>(null);
 
 export const isSimulating = signal(false);
-
-/** Whether time goes with a live flight. */
-export const isFollowing = signal(true);
 
 /** The search to be watched: one that runs, else the last. */
 export const search = computed<SearchState | null>(() => {
@@ -94,6 +95,7 @@ export async function look(): Promise<void> {
   const id = document.peek()?.document;
   if (id === undefined) return;
   isLooking.value = true;
+  await settled();
   const key = revisionKey.peek();
   const found = await attempt(call("why", { document: id }));
   isLooking.value = false;
@@ -102,11 +104,27 @@ export async function look(): Promise<void> {
   if (found.length === 0) tell("Nothing was found to stand in the way.");
 }
 
+/** Run what is asked for unless it is being asked for already, as by the second of two clicks. */
+export async function once(is: Signal<boolean>, run: () => Promise<void>): Promise<void> {
+  if (is.peek()) return;
+  is.value = true;
+  try {
+    await run();
+  } finally {
+    is.value = false;
+  }
+}
+
+/** Whether a search, a flight has been asked for and not begun yet. */
+export const isStarting = { search: signal(false), flight: signal(false) };
+
 export async function startSearch(): Promise<void> {
+  await settled();
   const id = document.peek()?.document;
   if (id === undefined) return;
   const { planner, seconds, gap } = wishes.peek();
-  await attempt(call("plan", { document: id, planner, seconds, gap, riskBound: chosenBound.peek() }));
+  const state = await attempt(call("plan", { document: id, planner, seconds, gap, riskBound: chosenBound.peek() }));
+  if (state !== null) takeSearch(state);
 }
 
 export async function steer(what: "pause" | "resume" | "stop"): Promise<void> {
@@ -143,11 +161,12 @@ const SLOWEST = 60;
 /** Least time that a decision is given [s]: with less nothing new is ever planned. */
 const DECISION = 0.5;
 
-export async function startFlight(plan: string, order: FlightOrder): Promise<void> {
-  const pace = order.pace === 0 ? 0 : Math.min(dt.peek() / order.pace, SLOWEST);
+export async function startFlight(plan: string): Promise<void> {
+  const { seed, pace: faster, replans, log } = order.peek();
+  const pace = faster === 0 ? 0 : Math.min(dt.peek() / faster, SLOWEST);
   const deadline = Math.max(pace, DECISION);
-  const options = { replan: order.replans ? "certified" : "none", deadline, ...(order.log === "" ? {} : { log: order.log }) };
-  const state = await attempt(call("fly", { plan, seed: order.seed, pace, options }));
+  const options = { replan: replans ? "certified" : "none", deadline, ...(log.trim() === "" ? {} : { log: log.trim() }) };
+  const state = await attempt(call("fly", { plan, seed, pace, options }));
   if (state === null) return;
   takeFlight(state);
   isFollowing.value = true;
@@ -182,7 +201,9 @@ export function follow(): void {
   });
   effect(() => {
     const now = flight.value;
-    if (now?.state === "running" && isFollowing.value) seek(now.step);
+    if (now?.state !== "running" || !isFollowing.value) return;
+    isPlaying.value = false;
+    seek(now.step);
   });
   // Another document has its own Δ.
   let before: string | undefined;

@@ -1,6 +1,6 @@
 /** Flights, live or from a log: the account of Δ, replans, ticks, alarms. */
 
-import { useMemo, useState } from "preact/hooks";
+import { useMemo } from "preact/hooks";
 import type { FlightState, PlanSummary, TickView } from "../protocol";
 import { accountLines, alarmed, replans, tickAt, tickLines, tickTimes } from "./account";
 import { Block, Button, Empty, Facts, NumberField, Toggle } from "./controls";
@@ -32,7 +32,9 @@ export interface FlightProps {
   readonly time: number;
   /** Whether time goes with the flight. */
   readonly isFollowing: boolean;
-  readonly onFly: (order: FlightOrder) => void;
+  readonly order: FlightOrder;
+  readonly onOrder: (order: FlightOrder) => void;
+  readonly onFly: () => void;
   readonly onStop: (flight: string) => void;
   readonly onChoose: (flight: string | null) => void;
   readonly onTime: (steps: number) => void;
@@ -57,20 +59,17 @@ export function Flight(props: FlightProps) {
 }
 
 function Start(props: FlightProps) {
-  const { plan, flights } = props;
-  const [seed, setSeed] = useState(0);
-  const [pace, setPace] = useState<number>(5);
-  const [mayReplan, setMayReplan] = useState(true);
-  const [log, setLog] = useState("");
+  const { plan, flights, order, onOrder } = props;
+  const { seed, pace, log } = order;
   const isFlying = flights.some((one) => one.state === "running");
   const canFly = plan?.holds === true && !isFlying;
   return (
     <Block title="Fly the plan shown">
       <div class="p-pair">
-        <NumberField label="Seed of the noise" value={seed} min={0} max={2 ** 31} whole onChange={(value) => setSeed(value ?? 0)} />
+        <NumberField label="Seed of the noise" value={seed} min={0} max={2 ** 31} whole onChange={(value) => onOrder({ ...order, seed: value ?? 0 })} />
         <div class="p-field">
           <label for="flight-pace">Pace</label>
-          <select id="flight-pace" value={String(pace)} onChange={(event) => setPace(Number(event.currentTarget.value))}>
+          <select id="flight-pace" value={String(pace)} onChange={(event) => onOrder({ ...order, pace: Number(event.currentTarget.value) })}>
             {PACES.map((one) => (
               <option key={one} value={String(one)}>
                 {one === 0 ? "as fast as it goes" : `× ${one}`}
@@ -81,13 +80,13 @@ function Start(props: FlightProps) {
       </div>
       <div class="p-field p-wide">
         <label for="flight-log">Log file</label>
-        <input id="flight-log" class="p-path" value={log} placeholder="not kept; such as first.flight.jsonl" spellcheck={false} autocomplete="off" onInput={(event) => setLog(event.currentTarget.value)} />
+        <input id="flight-log" class="p-path" value={log} placeholder="not kept; such as first.flight.jsonl" spellcheck={false} autocomplete="off" onInput={(event) => onOrder({ ...order, log: event.currentTarget.value })} />
       </div>
       <div class="p-actions">
-        <Toggle label="Plan anew on the way" on={mayReplan} onChange={setMayReplan} />
+        <Toggle label="Plan anew on the way" on={order.replans} onChange={(replans) => onOrder({ ...order, replans })} />
       </div>
       <div class="p-actions">
-        <Button kind="main" disabled={!canFly} onClick={() => props.onFly({ seed, pace, replans: mayReplan, log: log.trim() })}>
+        <Button kind="main" disabled={!canFly} onClick={props.onFly}>
           Fly
         </Button>
         <span class="p-note">{whyNotFly(plan, isFlying)}</span>

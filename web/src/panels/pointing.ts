@@ -2,7 +2,7 @@
 
 import { batch } from "@preact/signals";
 import type { LedgerLine, Remark } from "../protocol";
-import { isPlaying, seek, time } from "../state/playback";
+import { goTo, isPlaying, seek, time } from "../state/playback";
 import { highlight, type Highlight } from "../state/selection";
 import type { Difference } from "./difference";
 import { vehiclesOf } from "./ledger";
@@ -33,7 +33,7 @@ export function release(): void {
 /** Stay at the time that is shown. */
 export function stay(step: number | null): void {
   before = null;
-  if (step !== null) seek(step);
+  if (step !== null) goTo(step);
 }
 
 export function pointAtLines(lines: readonly LedgerLine[] | null): void {

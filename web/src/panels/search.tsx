@@ -51,13 +51,7 @@ export function Search(props: SearchProps) {
         </div>
       </div>
       <div class="p-actions">
-        {!isActive && (
-          <Button kind="main" onClick={props.onPlan} disabled={props.refusal !== null}>
-            {`Plan at Δ = ${bound(props.riskBound)}`}
-          </Button>
-        )}
-        {search?.state === "running" && <Button onClick={props.onPause}>Pause</Button>}
-        {search?.state === "paused" && <Button kind="main" onClick={props.onResume}>Resume</Button>}
+        <Next {...props} />
         {isActive && <Button onClick={props.onStop}>Stop</Button>}
       </div>
       {!isActive && props.refusal !== null && <p class="p-note">{props.refusal}</p>}
@@ -65,6 +59,13 @@ export function Search(props: SearchProps) {
       <Speaker text={search === null ? "" : sentence(search)} urgent={!isActive} />
     </Block>
   );
+}
+
+/** One button for what comes next, so that it keeps the focus while its words change. */
+function Next({ search, refusal, riskBound, onPlan, onPause, onResume }: SearchProps) {
+  if (search?.state === "running") return <Button onClick={onPause}>Pause</Button>;
+  if (search?.state === "paused") return <Button kind="main" onClick={onResume}>Resume</Button>;
+  return <Button kind="main" onClick={onPlan} disabled={refusal !== null}>{`Plan at Δ = ${bound(riskBound)}`}</Button>;
 }
 
 /** What a listener is told: it changes with what was found, not with the clock. */

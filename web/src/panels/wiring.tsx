@@ -11,7 +11,7 @@ import { document, scenario } from "../state/document";
 import { flight, flights } from "../state/flights";
 import { flip, switches } from "../state/layers";
 import { compared, comparedId, shown, shownId, shownTrails, summaries } from "../state/plans";
-import { dt, horizon, isPlaying, seek, speed, time } from "../state/playback";
+import { dt, goTo, horizon, isFollowing, isPlaying, play, speed, time } from "../state/playback";
 import { hello, whyEmpty } from "../state/session";
 import { replans } from "./account";
 import * as asking from "./asking";
@@ -77,7 +77,7 @@ function SearchPart() {
       moments={asking.moments.value}
       riskBound={asking.nextBound.value}
       onWishes={(wishes) => (asking.wishes.value = wishes)}
-      onPlan={() => void asking.startSearch()}
+      onPlan={() => void asking.once(asking.isStarting.search, asking.startSearch)}
       onPause={() => void asking.steer("pause")}
       onResume={() => void asking.steer("resume")}
       onStop={() => void asking.steer("stop")}
@@ -143,7 +143,6 @@ export function RiskRegion() {
   return (
     <>
       <Risk
-        key={plan?.plan ?? ""}
         plan={plan}
         vehicle={asking.riskVehicle.value}
         onVehicle={(vehicle) => (asking.riskVehicle.value = vehicle)}
@@ -174,17 +173,16 @@ export function FlightRegion() {
       flight={flight.value}
       dt={dt.value}
       time={time.value}
-      isFollowing={asking.isFollowing.value}
-      onFly={(order) => {
-        if (plan !== null) void asking.startFlight(plan.plan, order);
+      isFollowing={isFollowing.value}
+      order={asking.order.value}
+      onOrder={(order) => (asking.order.value = order)}
+      onFly={() => {
+        if (plan !== null) void asking.once(asking.isStarting.flight, () => asking.startFlight(plan.plan));
       }}
       onStop={(id) => void asking.stopFlight(id)}
       onChoose={asking.chooseFlight}
-      onTime={(steps) => {
-        asking.isFollowing.value = false;
-        seek(steps);
-      }}
-      onFollow={(isFollowing) => (asking.isFollowing.value = isFollowing)}
+      onTime={goTo}
+      onFollow={(isOn) => (isFollowing.value = isOn)}
     />
   );
 }
@@ -210,14 +208,8 @@ export function TimelineRegion() {
       speed={speed.value}
       risks={risks.value}
       replans={planned.value}
-      onTime={(steps) => {
-        asking.isFollowing.value = false;
-        seek(steps);
-      }}
-      onPlay={(play) => {
-        if (play && time.peek() >= horizon.peek()) seek(0);
-        isPlaying.value = play;
-      }}
+      onTime={goTo}
+      onPlay={play}
       onSpeed={(value) => (speed.value = value)}
     />
   );

@@ -71,7 +71,9 @@ function Mark({ spot, scenario }: { spot: Spot; scenario: ScenarioView }) {
         aria-label={spot.remarks.map((remark) => remark.text).join("; ")}
         onClick={open}
         onKeyDown={(event) => {
-          if (event.key === "Escape") opened.value = null;
+          if (event.key !== "Escape" || !isOpen) return;
+          opened.value = null;
+          event.preventDefault();
         }}
       >
         !

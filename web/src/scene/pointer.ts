@@ -1,14 +1,12 @@
 /** Mouse, pen and fingers on the map: pan, zoom, select, drag, draw. */
 
 import { signal } from "@preact/signals";
-import { activeHandle, decimals, finish, rounded, show } from "../edit/drag";
+import { activeHandle, decimals, Drag, rounded } from "../edit/drag";
 import { insertAt } from "../edit/corners";
 import { pick } from "../edit/create";
-import { handlesOf } from "../edit/things";
 import * as tools from "../edit/tools";
-import { document as opened } from "../state/document";
 import { hovered, sameThing } from "../state/selection";
-import { FINGER, gripAt, MOUSE, thingAt, type Grip } from "./hits";
+import { FINGER, gripAt, MOUSE, thingAt } from "./hits";
 import { currentFrame } from "./painter";
 import { camera, pan, zoom } from "./viewport";
 
@@ -27,11 +25,11 @@ interface Press {
   readonly id: number;
   readonly startX: number;
   readonly startY: number;
-  readonly grip: Grip | null;
+  /** null pans. */
+  readonly grip: Drag | null;
   lastX: number;
   lastY: number;
   isClick: boolean;
-  by: readonly [number, number];
 }
 
 /** Listen to the canvas until told to stop. */
@@ -44,19 +42,24 @@ export function listenTo(canvas: HTMLElement): () => void {
     return [event.clientX - bounds.left, event.clientY - bounds.top];
   };
 
+  const drop = () => {
+    press?.grip?.drop();
+    press = null;
+  };
+
   const down = (event: PointerEvent) => {
     const [px, py] = at(event);
     canvas.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, { x: px, y: py });
     if (fingers.size > 1) {
-      if (press?.grip != null) void finish(press.grip.thing, press.grip.index, 0, 0);
-      press = null;
+      drop();
       return;
     }
     if (event.button > 1) return;
     const isFree = tools.tool.peek() === "select" && event.button === 0;
     const grip = isFree ? gripAt(currentFrame(), px, py, reachOf(event)) : null;
-    press = { id: event.pointerId, startX: px, startY: py, grip, lastX: px, lastY: py, isClick: true, by: [0, 0] };
+    const held = grip === null ? null : new Drag(grip.thing, grip.index);
+    press = { id: event.pointerId, startX: px, startY: py, grip: held, lastX: px, lastY: py, isClick: true };
   };
 
   const move = (event: PointerEvent) => {
@@ -80,17 +83,24 @@ export function listenTo(canvas: HTMLElement): () => void {
   const up = (event: PointerEvent) => {
     fingers.delete(event.pointerId);
     if (press?.id !== event.pointerId) return;
-    const { grip, isClick, by } = press;
+    const { grip, isClick } = press;
     const [px, py] = at(event);
     press = null;
     if (isClick && event.button === 0) click(px, py, reachOf(event));
-    else if (grip !== null) void finish(grip.thing, grip.index, by[0], by[1]);
+    else void grip?.finish();
   };
 
   const cancelled = (event: PointerEvent) => {
     fingers.delete(event.pointerId);
-    if (press?.grip != null) void finish(press.grip.thing, press.grip.index, 0, 0);
-    press = null;
+    drop();
+  };
+
+  /** Escape in the middle of a drag puts back what is dragged. */
+  const key = (event: KeyboardEvent) => {
+    if (event.key !== "Escape" || press === null || press.isClick) return;
+    drop();
+    event.preventDefault();
+    event.stopPropagation();
   };
 
   const wheel = (event: WheelEvent) => {
@@ -121,6 +131,7 @@ export function listenTo(canvas: HTMLElement): () => void {
   canvas.addEventListener("pointerleave", leave);
   canvas.addEventListener("dblclick", doubled);
   canvas.addEventListener("wheel", wheel, { passive: false });
+  window.addEventListener("keydown", key, true);
   return () => {
     canvas.removeEventListener("pointerdown", down);
     canvas.removeEventListener("pointermove", move);
@@ -129,6 +140,7 @@ export function listenTo(canvas: HTMLElement): () => void {
     canvas.removeEventListener("pointerleave", leave);
     canvas.removeEventListener("dblclick", doubled);
     canvas.removeEventListener("wheel", wheel);
+    window.removeEventListener("keydown", key, true);
   };
 }
 
@@ -161,20 +173,18 @@ function drag(press: Press, px: number, py: number, isStraight: boolean): void {
     pan(px - press.lastX, py - press.lastY);
     return;
   }
-  const view = opened.peek()?.view;
-  const handle = view == null ? undefined : handlesOf(view, grip.thing)[grip.index];
-  if (handle === undefined) return;
+  const { handle, thing, index } = grip;
+  if (handle === undefined || thing === null) return;
   const { scale } = camera.peek();
   let dx = (px - press.startX) / scale;
   let dy = (press.startY - py) / scale;
   if (isStraight && Math.abs(dx) > Math.abs(dy)) dy = 0;
   else if (isStraight) dx = 0;
-  press.by = rounded(handle, dx, dy, decimals(scale));
-  if (activeHandle.peek() !== grip.index || !sameThing(grip.thing, currentFrame().selected)) {
-    pick(grip.thing);
-    activeHandle.value = grip.index;
+  if (activeHandle.peek() !== index || !sameThing(thing, currentFrame().selected)) {
+    pick(thing);
+    activeHandle.value = index;
   }
-  show(grip.thing, grip.index, press.by[0], press.by[1]);
+  grip.show(...rounded(handle, dx, dy, decimals(scale)));
 }
 
 function hoverOver(canvas: HTMLElement, px: number, py: number, reach: number): void {

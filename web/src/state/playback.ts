@@ -29,10 +29,23 @@ export function seek(steps: number): void {
   time.value = Math.min(Math.max(steps, 0), horizon.peek());
 }
 
+/** Whether time goes with a live flight. */
+export const isFollowing = signal(true);
+
+/** Go to a time [steps] that the operator has chosen, and stay there whatever flies. */
+export function goTo(steps: number): void {
+  isFollowing.value = false;
+  seek(steps);
+}
+
 /** Play, from the start again where the end is reached; or pause. */
+export function play(isOn: boolean): void {
+  if (isOn) goTo(time.peek() >= horizon.peek() ? 0 : time.peek());
+  isPlaying.value = isOn;
+}
+
 export function togglePlaying(): void {
-  if (!isPlaying.peek() && time.peek() >= horizon.peek()) time.value = 0;
-  isPlaying.value = !isPlaying.peek();
+  play(!isPlaying.peek());
 }
 
 /** Let time run while it plays; called once. */

@@ -22,6 +22,26 @@ export interface Highlight {
 
 export const highlight = signal<Highlight | null>(null);
 
+const turns = new WeakMap<Thing, number>();
+let last = 0;
+
+/** A number of a thing that stays when its place in the document changes. */
+export function turnOf(thing: Thing): number {
+  const known = turns.get(thing);
+  if (known !== undefined) return known;
+  last += 1;
+  turns.set(thing, last);
+  return last;
+}
+
+/** The same thing at its place in a changed document; null where it has none. */
+export function moved(thing: Thing, path: Path | null): Thing | null {
+  if (path === null || samePath(thing.path, path)) return path === null ? null : thing;
+  const now = { ...thing, path };
+  turns.set(now, turnOf(thing));
+  return now;
+}
+
 export function samePath(one: Path, other: Path): boolean {
   return one.length === other.length && one.every((key, i) => key === other[i]);
 }

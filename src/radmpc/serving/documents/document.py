@@ -42,6 +42,7 @@ class Document:
         self.revision = 0
         self.reading = Reading(None, None)
         self.view: ScenarioView | None = None
+        self._viewed: tuple[int, ...] = ()
         self.concerns: tuple[Remark, ...] = ()
         self._done: list[Content] = []
         self._undone: list[Content] = []
@@ -141,7 +142,12 @@ class Document:
     def _take(self, reading: Reading) -> None:
         """Take what was understood; while something is wrong, the last view stays."""
         self.reading = reading
-        # Without vehicles nothing is wrong yet with what is drawn.
-        is_begun = self.view is None or not self.content.get("vehicles")
-        self.view = reading.view or (reading.partial if is_begun else None) or self.view
+        # Without vehicles nothing is wrong yet with what is drawn; where entries have come or gone,
+        # paths of the last view would lead to others.
+        lists = (self.content.get(key) for key in ("vehicles", "obstacles"))
+        counts = tuple(len(part) if isinstance(part, list) else 0 for part in lists)
+        is_begun = self.view is None or not counts[0] or counts != self._viewed
+        view = reading.view or (reading.partial if is_begun else None)
+        if view is not None:
+            self.view, self._viewed = view, counts
         self.concerns = ()

@@ -1,6 +1,7 @@
 /** Vehicles at the time shown: hulls, discs of the stated level. */
 
 import type { Frame, Layer } from "../frame";
+import { vehicleAt } from "../../edit/things";
 import { ellipseAt, num, placeAt, tracksOf } from "../geometry";
 import type { Thing } from "../../state/selection";
 import { byColor } from "./tracks";
@@ -134,6 +135,5 @@ export const drawVehicleMarks: Layer = (ctx, frame) => {
 };
 
 function nameOf({ scenario }: Frame, thing: Thing | null): string | null {
-  if (thing?.path[0] !== "vehicles") return null;
-  return scenario?.vehicles[Number(thing.path[1])]?.name ?? null;
+  return scenario === null || thing === null ? null : (vehicleAt(scenario, thing.path)?.name ?? null);
 }
