@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+import pytest
+
+from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
@@ -40,3 +44,40 @@ def test_no_pair_is_left_out_that_is_closer_than_what_is_drawn() -> None:
     found = closest_clearances(make_plan(scenario), 6)
     # Neighbors are 3.8 m apart, all else is farther away, also in standard deviations.
     assert [c.name for c in found] == [f"v{i} – v{i + 1}" for i in range(6)]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_what_two_vehicles_answer_alike_moves_them_not_apart(sign: float) -> None:
+    push = np.vstack([0.5 * np.eye(2), np.eye(2)])
+    pair = []
+    for name, y, answer in (("a", 0.0, push), ("b", 3.0, sign * push)):
+        wind = SharedDisturbance("wind", answer, 0.02)
+        pair.append(replace(make_vehicle(name, [0.0, y], [6.0, y]), shared=(wind,)))
+    plan = make_plan(Scenario("windy", 1.0, HORIZON, 0.05, tuple(pair), ()))
+    [found] = closest_clearances(plan, 1)
+    step, own, common = pair[0].system.A, 0.002 * np.eye(4), np.zeros((4, 4))
+    apart = push - sign * push
+    for sigma in found.at_steps(found.sigma):
+        # Along the line between them, y.
+        assert sigma == pytest.approx(np.sqrt((own + common)[1, 1]), rel=1e-9)
+        own = step @ own @ step.T + 0.002 * np.eye(4)
+        common = step @ common @ step.T + 0.02 * apart @ apart.T
+
+
+def test_long_names_in_the_key_of_distances_are_cut_within_the_picture(flat_plan: Plan) -> None:
+    long = ["a research vessel that is towed home by", "another of the same company, number 7"]
+    vehicles = tuple(
+        replace(vehicle, name=name)
+        for vehicle, name in zip(flat_plan.scenario.vehicles, [*long, "c"], strict=True)
+    )
+    scenario = replace(flat_plan.scenario, vehicles=vehicles)
+    ax = plot_distances(make_plan(scenario))
+    figure = ax.get_figure()
+    figure.draw_without_rendering()
+    legend = ax.get_legend()
+    assert legend is not None
+    box = legend.get_window_extent()
+    assert 0.0 <= box.x0 <= box.x1 <= figure.bbox.width
+    assert ax.get_window_extent().width > 0.7 * figure.bbox.width
+    told = [text.get_text() for text in legend.get_texts()]
+    assert any(one.startswith("a res") and "…" in one and "number 7:" in one for one in told)

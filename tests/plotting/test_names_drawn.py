@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from itertools import combinations
 
@@ -9,13 +10,14 @@ import numpy as np
 import pytest
 import shapely
 from matplotlib.axes import Axes
+from matplotlib.text import Text
 from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from radmpc.model.obstacle import Obstacle
-from radmpc.model.plan import Plan
+from radmpc.model.plan import Coupling, Plan
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
-from radmpc.plotting import plot_plan, plot_scenario
+from radmpc.plotting import plot_couplings, plot_plan, plot_scenario
 from radmpc.plotting.canvas.labels import LabelBoard
 from radmpc.plotting.canvas.style import MAX_PANEL_LABELS
 
@@ -180,3 +182,43 @@ def test_lines_to_starts_in_space_stay_there_if_the_view_is_turned(space_plan: P
             x, y, _ = proj3d.proj_transform(*starts[line.get_gid()[7:]], ax.get_proj())
             away = np.linalg.norm(line.get_xydata()[0] - ax.transData.transform((x, y)))
             assert away < 5.0 * ax.figure.dpi / 72.0
+
+
+def _text(ax: Axes, gid: str) -> Text:
+    """The text of an id."""
+    (found,) = [text for text in ax.texts if text.get_gid() == gid]
+    return found
+
+
+@pytest.mark.parametrize("letter", ["W", "丸"])
+def test_wide_letters_of_a_coupling_graph_reach_over_no_other_name(
+    flat_plan: Plan, letter: str
+) -> None:
+    names = (10 * letter, 8 * letter, 12 * letter)
+    named = zip(flat_plan.scenario.vehicles, names, strict=True)
+    vehicles = tuple(replace(vehicle, name=name) for vehicle, name in named)
+    scenario = replace(flat_plan.scenario, vehicles=vehicles)
+    sets = tuple((name,) for name in names)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of signs that the font lacks
+        ax = plot_couplings(replace(flat_plan, scenario=scenario, sets=sets, couplings=()))
+        ax.get_figure().draw_without_rendering()
+        boxes = [_text(ax, f"name:{name}").get_window_extent() for name in names]
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+
+
+def test_numbers_of_crossing_edges_do_not_read_as_one(flat_plan: Plan) -> None:
+    names = ("a", "b", "c", "d", "e")
+    vehicles = tuple(make_vehicle(n, [4.0 * i, 0.0], [4.0 * i, 8.0]) for i, n in enumerate(names))
+    scenario = replace(flat_plan.scenario, vehicles=vehicles, obstacles=(), workspace=None)
+    risks = {
+        "ab": 2e-5, "ac": 3e-13, "ad": 0.75, "bc": 2e-5,
+        "bd": 1.0, "cd": 1.0, "ce": 3e-13, "de": 1.0,
+    }  # fmt: skip
+    pairs = tuple(Coupling(*ends, "collision", risk) for ends, risk in risks.items())
+    ax = plot_couplings(replace(flat_plan, scenario=scenario, sets=(names,), couplings=pairs))
+    ax.get_figure().draw_without_rendering()
+    numbers = [_text(ax, f"coupling:{pair.vehicle}:{pair.other}") for pair in pairs]
+    gap = ax.get_figure().dpi / 72.0  # 1 pt between any two, twice half of it
+    boxes = [Text.get_window_extent(number).padded(0.5 * gap, 0.0) for number in numbers]
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))

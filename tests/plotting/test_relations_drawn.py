@@ -136,3 +136,19 @@ def test_in_space_obstacles_for_some_are_paler() -> None:
         assert ("tower (only heli)" in told(ax)) == (obstacle is zone)
     assert strength[1] < 0.5 * strength[0]
     plt.close("all")
+
+
+def test_a_moving_obstacle_is_shown_nearest_to_those_alone_whom_it_concerns() -> None:
+    outline = np.array([[-0.5, -0.3], [0.5, -0.3], [0.5, 0.3], [-0.5, 0.3]])
+    places = [np.array([4.0, 2.0 * k - 2.0]) for k in range(HORIZON + 1)]
+    ship = Obstacle.moving("ship", [outline + place for place in places])
+    for obstacle, names in ((only_for(ship, ["barge"]), ["barge"]), (ship, ["boat", "barge"])):
+        plan = coasting()
+        plan = replace(plan, scenario=replace(plan.scenario, obstacles=(obstacle,)))
+        ids = {child.get_gid() for child in plot_plan(plan).get_children()}
+        assert [name for name in ("boat", "barge") if f"near:ship:{name}" in ids] == names
+    nobody = all_but(ship, ["boat", "barge"])
+    plan = replace(plan, scenario=replace(plan.scenario, obstacles=(nobody,)))
+    legend = plot_plan(plan).get_legend()
+    assert "when nearest" not in [text.get_text() for text in legend.get_texts()]
+    plt.close("all")

@@ -12,8 +12,9 @@ from matplotlib.markers import MarkerStyle
 from radmpc.model.plan import LedgerRow, Plan, Risk
 from radmpc.model.scenario import Scenario
 from radmpc.plotting import plot_plan, plot_scenario
-from radmpc.plotting.canvas.style import ALERT
+from radmpc.plotting.canvas.style import ALERT, MAX_LABELS
 
+from .conftest import make_plan, make_vehicle
 from .test_pictures import artists, texts
 
 
@@ -58,6 +59,22 @@ def test_some_steps_have_numbers_but_not_of_a_vehicle_that_stays(flat_plan: Plan
         assert number.get_text() == str(k)
     assert artists(ax, "step:a:4") == []
     assert artists(ax, "step:c:2") == []
+
+
+def test_the_legend_tells_of_numbers_of_steps_only_where_there_are_any(flat_plan: Plan) -> None:
+    still = make_vehicle("still", [1.0, 1.0], [1.0, 1.0])
+    many = tuple(
+        make_vehicle(f"v{i}", [3.0 * i, 0.0], [3.0 * i, 5.0]) for i in range(MAX_LABELS + 1)
+    )
+    for vehicles, is_told in (((still,), False), (many, False), (many[1:], True)):
+        given = replace(flat_plan.scenario, vehicles=vehicles, obstacles=(), workspace=None)
+        plan = make_plan(given)
+        ax = plot_plan(plan)
+        legend = [text.get_text() for text in ax.get_legend().get_texts()]
+        assert ("mean path, step no." if is_told else "mean path") in legend
+        assert any(text.get_gid().startswith("step:") for text in ax.texts if text.get_gid()) is (
+            is_told
+        )
 
 
 def test_a_moving_obstacle_shows_its_way_and_its_name_where_it_starts(

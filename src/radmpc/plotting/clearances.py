@@ -15,7 +15,9 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.relations.concerns import is_for
 from radmpc.model.relations.keep import keep_pairs
+from radmpc.plotting.canvas.letters import shortened
 from radmpc.plotting.curves import mean_path, positions
+from radmpc.plotting.deviations import Deviations, deviations
 from radmpc.plotting.interpolation import moving_outline
 from radmpc.records import dataclass, replace
 
@@ -37,8 +39,10 @@ class Clearance:
 
     Attributes
     ----------
-    name : str
-        Names of the vehicle and of what it keeps clear of.
+    form : str
+        What becomes a name of the two.
+    names : (str, str)
+        Of the vehicle, and of what it keeps clear of.
     times : (p,) array
         When [s].
     distance : (p,) array
@@ -50,11 +54,21 @@ class Clearance:
         Points from one step to the next.
     """
 
-    name: str
+    form: str
+    names: tuple[str, str]
     times: Vector
     distance: Vector
     sigma: Vector
     stride: int
+
+    @property
+    def name(self) -> str:
+        """Both names in full."""
+        return self.form.format(*self.names)
+
+    def name_within(self, letters: int) -> str:
+        """Return the name, of which no part has more than some letters."""
+        return self.form.format(*(shortened(name, letters) for name in self.names))
 
     def at_steps(self, values: Vector) -> Vector:
         """Return the values at the steps alone, (T+1,)."""
@@ -85,27 +99,27 @@ def closest_clearances(plan: Plan, most: int) -> tuple[Clearance, ...]:
     scenario = plan.scenario
     count = _points_per_step(plan)
     paths = np.array([_fine_path(plan, i, count) for i in range(len(plan.trajectories))])
-    noise = np.array([_fine_noise(plan, i, count) for i in range(len(plan.trajectories))])
+    strays = deviations(plan, count)
     times = np.linspace(0.0, scenario.dt * scenario.horizon, paths.shape[1])
     found: list[Clearance] = []
     for obstacle in scenario.obstacles:
         for i in range(len(paths)):
             if is_for(obstacle, scenario.vehicles[i].name):
-                found.append(_of_obstacle(plan, i, obstacle, paths[i], noise[i], times))
+                found.append(_of_obstacle(plan, i, obstacle, paths[i], strays.between[i], times))
     names = [vehicle.name for vehicle in scenario.vehicles]
     for i, j, within in keep_pairs(scenario.keep, names):
-        pair = _of_pair(plan, i, j, paths, noise, times)
+        pair = _of_pair(plan, i, j, paths, strays, times)
         touching = scenario.vehicles[i].radius + scenario.vehicles[j].radius
         left = within - (pair.distance + touching)
-        found.append(replace(pair, name=f"{pair.name}, range", distance=left))
+        found.append(replace(pair, form=f"{pair.form}, range", distance=left))
     at_steps = scenario.avoidance == "steps"
-    widest = np.sqrt(2.0) * max(_spread(noise), 1e-9)  # of a pair, in any direction
+    widest = max(strays.most_of_pairs, 1e-9)
     hulls = 2.0 * max(vehicle.radius for vehicle in scenario.vehicles)
-    reach, pairs = _first_reach(plan, paths, noise), dict[tuple[int, int], Clearance]()
+    reach, pairs = _first_reach(plan, paths, strays), dict[tuple[int, int], Clearance]()
     while True:
         for i, j in _pairs_within(paths, reach):
             if (i, j) not in pairs:
-                pairs[i, j] = _of_pair(plan, i, j, paths, noise, times)
+                pairs[i, j] = _of_pair(plan, i, j, paths, strays, times)
         ordered = sorted([*found, *pairs.values()], key=lambda c: c.least(at_steps=at_steps))
         shown = ordered[:most]
         # Whoever is not within reach is at least this far apart, in standard deviations.
@@ -129,16 +143,6 @@ def _fine_path(plan: Plan, index: int, count: int) -> Matrix:
     fine = np.linspace(0.0, 1.0, count * plan.scenario.horizon + 1)
     known = np.linspace(0.0, 1.0, len(path))
     return np.column_stack([np.interp(fine, known, path[:, a]) for a in range(path.shape[1])])
-
-
-def _fine_noise(plan: Plan, index: int, count: int) -> Tensor:
-    """Return the position covariances at the same points, between steps interpolated."""
-    axes = list(plan.scenario.vehicles[index].system.position)
-    coarse = plan.trajectories[index].covariances[:, axes][:, :, axes]
-    share = np.linspace(0.0, len(coarse) - 1.0, count * (len(coarse) - 1) + 1)
-    low = np.minimum(share.astype(int), len(coarse) - 2)
-    part = (share - low)[:, None, None]
-    return np.asarray((1.0 - part) * coarse[low] + part * coarse[low + 1])
 
 
 def distances_at_steps(plan: Plan, i: int, obstacle: Obstacle) -> Vector:
@@ -181,19 +185,14 @@ def touches_sweep(plan: Plan, i: int, obstacle: Obstacle) -> bool:
     )
 
 
-def _spread(noise: Tensor) -> float:
-    """Return a standard deviation that no vehicle's place exceeds in any direction [m]."""
-    return float(np.sqrt(np.trace(noise, axis1=2, axis2=3).max()))
-
-
-def _first_reach(plan: Plan, paths: Tensor, noise: Tensor) -> float:
+def _first_reach(plan: Plan, paths: Tensor, strays: Deviations) -> float:
     """Return the distance within which all pairs are looked at [m]: infinite in small fleets."""
     vehicles = plan.scenario.vehicles
     if len(vehicles) <= 8:
         return np.inf
     # Two may come together and part again within what both move from point to point.
     move = float(np.linalg.norm(np.diff(paths, axis=1), axis=2).max(initial=0.0))
-    return 6.0 * max(v.radius for v in vehicles) + _NEAR * _spread(noise) + 2.0 * move
+    return 6.0 * max(v.radius for v in vehicles) + _NEAR * strays.most + 2.0 * move
 
 
 def _pairs_within(paths: Tensor, reach: float) -> list[tuple[int, int]]:
@@ -206,16 +205,19 @@ def _pairs_within(paths: Tensor, reach: float) -> list[tuple[int, int]]:
     return sorted(found)
 
 
-def _of_pair(plan: Plan, i: int, j: int, paths: Tensor, noise: Tensor, times: Vector) -> Clearance:
+def _of_pair(
+    plan: Plan, i: int, j: int, paths: Tensor, strays: Deviations, times: Vector
+) -> Clearance:
     """Return the distance between two vehicles' hulls."""
     one, two = plan.scenario.vehicles[i], plan.scenario.vehicles[j]
     between = paths[j] - paths[i]
     centers = np.linalg.norm(between, axis=1)
     along = between / np.maximum(centers, 1e-12)[:, None]
-    variance = np.einsum("pa,pab,pb->p", along, noise[i] + noise[j], along)
+    variance = np.einsum("pa,pab,pb->p", along, strays.of_pair(i, j), along)
     stride = (len(times) - 1) // plan.scenario.horizon
     distance = centers - one.radius - two.radius
-    return Clearance(f"{one.name} – {two.name}", times, distance, np.sqrt(variance), stride)
+    names = one.name, two.name
+    return Clearance("{} – {}", names, times, distance, np.sqrt(variance), stride)
 
 
 def _of_obstacle(
@@ -238,8 +240,8 @@ def _of_obstacle(
         steps = np.minimum(np.arange(len(path)) // stride, plan.scenario.horizon - 1)
         noise = noise + obstacle.spread.between(steps, np.arange(len(path)) / stride - steps)
     variance = np.einsum("pa,pab,pb->p", along, noise, along)
-    name = f"{vehicle.name}, {obstacle.name}"
-    return Clearance(name, times, distance - vehicle.radius, np.sqrt(variance), stride)
+    names, left = (vehicle.name, obstacle.name), distance - vehicle.radius
+    return Clearance("{}, {}", names, times, left, np.sqrt(variance), stride)
 
 
 def _nearest(points: Matrix, pieces: tuple[Polytope, ...]) -> tuple[Vector, Matrix]:

@@ -17,7 +17,7 @@ from radmpc.plotting.artists.flat import Color
 from radmpc.plotting.artists.obstacles import patch_of
 from radmpc.plotting.canvas.figure import check_axes, points_per_unit, settle_layout
 from radmpc.plotting.canvas.headline import PLAIN, write_headline
-from radmpc.plotting.canvas.labels import LETTER, shortened
+from radmpc.plotting.canvas.letters import LETTER, shortened, text_size
 from radmpc.plotting.canvas.style import (
     COLUMN_WIDTH,
     LABEL_SIZE,
@@ -34,6 +34,9 @@ __all__ = ["plot_couplings"]
 
 _BESIDE = 0.14
 """Distance from an edge to its number, in units of that between two vehicles of a set."""
+
+_ALONG = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)
+"""Where on an edge its number may stand, the best first [-]."""
 
 _AROUND = 0.3
 """Width of the shade around the vehicles of a set without couplings, in that unit."""
@@ -160,20 +163,31 @@ def _draw_edges(ax: Axes, plan: Plan, place_of: dict[str, Matrix]) -> None:
     )
     if len(known) > _MOST_NUMBERS:
         return
+    taken: list[shapely.Polygon] = []
     for coupling in known:
         if coupling.value is None:
             continue
-        one, two = sorted(
-            (place_of[coupling.vehicle], place_of[coupling.other]), key=lambda place: place[0]
-        )
-        along = (two - one) / float(np.linalg.norm(two - one))
-        middle = 0.5 * (one + two) + _BESIDE * np.array([-along[1], along[0]])
+        half = 0.5 * text_size(_number(coupling), NUMBER_SIZE) / points_per_unit(ax)
+        tried = _beside(place_of[coupling.vehicle], place_of[coupling.other])
+        boxes = [shapely.box(*(place - half), *(place + half)) for place in tried]
+        # Two numbers side by side would read as one.
+        shared = [sum(box.intersection(other).area for other in taken) for box in boxes]
+        best = int(np.argmin(shared))
+        taken.append(boxes[best])
         ax.text(
-            float(middle[0]), float(middle[1]), _number(coupling), fontsize=NUMBER_SIZE,
+            float(tried[best][0]), float(tried[best][1]), _number(coupling), fontsize=NUMBER_SIZE,
             color=MUTED, ha="center", va="center", zorder=4,
             gid=f"coupling:{coupling.vehicle}:{coupling.other}",
             path_effects=[withStroke(linewidth=1.6, foreground="white")],
         )  # fmt: skip
+
+
+def _beside(start: Matrix, end: Matrix) -> list[Vector]:
+    """Return where an edge's number may stand, in the middle first."""
+    one, two = sorted((start, end), key=lambda place: place[0])
+    along = (two - one) / float(np.linalg.norm(two - one))
+    beside = one + _BESIDE * np.array([-along[1], along[0]])
+    return [beside + share * (two - one) for share in _ALONG]
 
 
 def _draw_vehicles(
@@ -199,8 +213,7 @@ def _letters(ax: Axes, place_of: dict[str, Matrix], outward: dict[str, Vector]) 
     places = np.array(list(place_of.values())) * points_per_unit(ax) + _AWAY * away
     sides = np.where(np.abs(away) < _UPRIGHT, 0.0, np.sign(away))
     for letters in range(_MOST_LETTERS, _LEAST_LETTERS, -1):
-        lengths = [len(shortened(name, letters)) for name in place_of]
-        half = 0.5 * LABEL_SIZE * np.array([(LETTER[0] * n, LETTER[1]) for n in lengths])
+        half = 0.5 * np.array([text_size(shortened(n, letters), LABEL_SIZE) for n in place_of])
         boxes = shapely.box(*(places + (sides - 1.0) * half).T, *(places + (sides + 1.0) * half).T)
         if len(shapely.STRtree(boxes).query(boxes, "intersects")[0]) == len(boxes):
             return letters  # each meets itself alone

@@ -19,6 +19,7 @@ __all__ = [
     "mean_path",
     "point_along",
     "positions",
+    "stays",
 ]
 
 Plane = tuple[int, int]
@@ -45,6 +46,19 @@ def positions(vehicle: Vehicle, trajectory: Trajectory) -> Matrix:
         Its part of the plan.
     """
     return trajectory.means[:, list(vehicle.system.position)]
+
+
+def stays(vehicle: Vehicle, trajectory: Trajectory) -> bool:
+    """Whether a vehicle moves by no more than its radius along any axis.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    trajectory : Trajectory
+        Its part of the plan.
+    """
+    return bool(np.ptp(positions(vehicle, trajectory), axis=0).max() <= vehicle.radius)
 
 
 def mean_path(vehicle: Vehicle, trajectory: Trajectory) -> Matrix:

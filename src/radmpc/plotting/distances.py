@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -13,7 +15,14 @@ from radmpc.plotting.canvas.figure import check_axes, numbers_of
 from radmpc.plotting.canvas.headline import PLAIN, write_headline
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE
 from radmpc.plotting.clearances import Clearance, closest_clearances
-from radmpc.plotting.risk.ledger_looks import LINE, draw_key, new_column, say_nothing, settle_part
+from radmpc.plotting.risk.ledger_looks import (
+    LINE,
+    draw_key,
+    key_width,
+    new_column,
+    say_nothing,
+    settle_part,
+)
 
 __all__ = ["plot_distances"]
 
@@ -21,6 +30,9 @@ _HEIGHT = 2.4
 """Height of the figure with a legend of two lines, as of five encounters with short names [in]."""
 
 _LINES, _COLUMNS = 2, 3
+
+_LEAST_LETTERS = 5
+"""Letters that a name in the key has at least [-]."""
 
 _SIGMAS = 3.0
 """Half width of the bands [standard deviations]."""
@@ -73,9 +85,10 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     if not plan.trajectories:
         return say_nothing(axes, plan)
     clearances = closest_clearances(plan, min(most, len(PALETTE)))
-    for number, (clearance, color) in enumerate(zip(clearances, PALETTE, strict=False)):
-        least = clearance.least(at_steps=plan.scenario.avoidance == "steps")
-        _draw_clearance(axes, clearance, color, number, f"{clearance.name}: {least:.1f}σ")
+    labels = _labels(axes, clearances, at_steps=plan.scenario.avoidance == "steps")
+    drawn = zip(clearances, PALETTE, labels, strict=False)
+    for number, (clearance, color, label) in enumerate(drawn):
+        _draw_clearance(axes, clearance, color, number, label)
     axes.axhline(0.0, color=ALERT, linewidth=0.8, zorder=3, gid="allowed")
     axes.annotate(
         "hulls touch", (1.0, 0.0), xycoords=("axes fraction", "data"), xytext=(-2.0, -2.0),
@@ -101,6 +114,20 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
             fontsize=LABEL_SIZE,
         )  # fmt: skip
     return axes
+
+
+def _labels(ax: Axes, clearances: Sequence[Clearance], *, at_steps: bool) -> list[str]:
+    """Return the key's texts; names have as many letters as fit into the width of the axes."""
+    figure = ax.get_figure(root=True)
+    room = np.inf if figure is None else float(ax.get_window_extent().width / figure.dpi)
+    letters = max((len(name) for c in clearances for name in c.names), default=0)
+    while True:
+        labels = [
+            f"{one.name_within(letters)}: {one.least(at_steps=at_steps):.1f}σ" for one in clearances
+        ]
+        if letters <= _LEAST_LETTERS or key_width(labels) <= room:
+            return labels
+        letters -= 1
 
 
 def _draw_clearance(ax: Axes, clearance: Clearance, color: str, number: int, label: str) -> None:

@@ -13,6 +13,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.facets import facets, surface
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
+from radmpc.model.relations.concerns import is_for
 from radmpc.plotting.artists.flat import Color
 from radmpc.plotting.artists.obstacles import along_lines, ring_of, seen
 from radmpc.plotting.canvas.space_labels import Board, SpaceBoard
@@ -60,17 +61,18 @@ def nearest_ghosts(plan: Plan) -> tuple[Ghost, ...]:
     Returns
     -------
     tuple of Ghost
-        For every moving obstacle at most three, the nearest first: of vehicles that cross its way,
-        or of the nearest vehicle if none does.
+        For every moving obstacle at most three, the nearest first: of the vehicles that it concerns
+        and that cross its way, or of the nearest of them if none does.
     """
     found: list[Ghost] = []
     for obstacle in plan.scenario.obstacles:
         if not obstacle.is_moving or not plan.trajectories:
             continue
-        everyone = range(len(plan.trajectories))
-        crossing = [i for i in everyone if touches_sweep(plan, i, obstacle)]
+        flown = enumerate(plan.scenario.vehicles)
+        concerned = [i for i, vehicle in flown if is_for(obstacle, vehicle.name)]
+        crossing = [i for i in concerned if touches_sweep(plan, i, obstacle)]
         ghosts = sorted(
-            (_ghost(plan, i, obstacle) for i in crossing or everyone), key=lambda g: g.distance
+            (_ghost(plan, i, obstacle) for i in crossing or concerned), key=lambda g: g.distance
         )
         found += ghosts[: _MOST_PER_OBSTACLE if crossing else 1]
     return tuple(found)

@@ -26,14 +26,17 @@ from radmpc.plotting.canvas.columns import columns_within, lines_within
 from radmpc.plotting.canvas.style import (
     ALERT,
     COLUMN_WIDTH,
+    MAX_LABELS,
     MUTED,
     OBSTACLE_EDGE,
     OBSTACLE_FILL,
     STAR_SIZE,
     TICK_SIZE,
     Dashes,
+    numbered_steps,
     vehicle_dashes,
 )
+from radmpc.plotting.curves import stays
 
 __all__ = [
     "draw_film_legend",
@@ -184,7 +187,7 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
     entries: dict[str, Handle] = {"start": _sign("o", 5.5, "none", MUTED, 0.9)}
     if plan.trajectories:
         line = Line2D([], [], color=MUTED, linewidth=1.1, marker=".", markersize=4)
-        entries["mean path, step no."] = line
+        entries["mean path, step no." if _are_steps_numbered(plan) else "mean path"] = line
         if any(dashes != "solid" for dashes in _dashes(plan)):
             dashed = Line2D([], [], color=MUTED, linewidth=1.1, linestyle=(0, (5, 1.2)))
             entries["same set (first solid)"] = dashed
@@ -234,6 +237,14 @@ def _relations(scenario: Scenario, name: str, *, is_flat: bool) -> dict[str, Han
     if scenario.keep:
         entries[name] = Line2D([], [], color=MUTED, linewidth=0.8, linestyle=RANGE_DASHES)
     return entries
+
+
+def _are_steps_numbered(plan: Plan) -> bool:
+    """Whether a panel may have numbers of steps: not of who stays, nor in large fleets."""
+    if plan.scenario.num_vehicles > MAX_LABELS or not numbered_steps(plan.scenario.horizon):
+        return False
+    flown = zip(plan.scenario.vehicles, plan.trajectories, strict=True)
+    return not all(stays(*one) for one in flown)
 
 
 def _dashes(plan: Plan) -> Iterable[Dashes]:

@@ -13,7 +13,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
-from radmpc.plotting.canvas.labels import shortened
+from radmpc.plotting.canvas.letters import shortened
 from radmpc.plotting.canvas.space_labels import Board, SpaceBoard
 from radmpc.plotting.canvas.style import MUTED, NUMBER_SIZE
 from radmpc.plotting.curves import ABOVE, Plane, positions

@@ -26,7 +26,7 @@ from radmpc.plotting.canvas.style import (
     Dashes,
     numbered_steps,
 )
-from radmpc.plotting.curves import ellipsoid_rings, mean_path, point_along, positions
+from radmpc.plotting.curves import ellipsoid_rings, mean_path, point_along, positions, stays
 
 __all__ = [
     "draw_ends_3d",
@@ -241,9 +241,9 @@ def number_steps_3d(
     board : SpaceBoard
         Where other texts stand.
     """
-    places = positions(vehicle, trajectory)
-    if np.ptp(places, axis=0).max() <= vehicle.radius:
+    if stays(vehicle, trajectory):
         return
+    places = positions(vehicle, trajectory)
     for k in numbered_steps(len(places) - 1):
         gid = f"step:{vehicle.name}:{k}"
         board.beside(str(k), places[k], color, size=NUMBER_SIZE, gid=gid, is_needed=False)

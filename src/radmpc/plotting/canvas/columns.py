@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from matplotlib.legend import Legend
@@ -10,7 +10,7 @@ from matplotlib.legend import Legend
 from radmpc.plotting.canvas.figure import DPI, new_figure
 from radmpc.plotting.canvas.style import TICK_SIZE
 
-__all__ = ["columns_within", "lines_within"]
+__all__ = ["columns_within", "legend_width", "lines_within"]
 
 _PAPER = 1.0
 """Width and height of the figure on which legends are measured, which no size depends on [in]."""
@@ -36,16 +36,31 @@ def columns_within(
     """
     count = max(1, len(entries))
     most = count if most is None else min(most, count)
-    figure = new_figure(_PAPER, _PAPER)
     tried = dict.fromkeys(-(-count // lines) for lines in range(-(-count // most), count + 1))
     for columns in tried:
-        legend = Legend(
-            figure, list(entries.values()), list(entries), ncols=columns, fontsize=TICK_SIZE,
-            **looks,
-        )  # fmt: skip
-        if legend.get_window_extent().width <= width * DPI:
+        if legend_width(list(entries.values()), list(entries), columns, looks) <= width:
             return columns
     return 1
+
+
+def legend_width(
+    handles: Sequence[Any], labels: Sequence[str], columns: int, looks: Mapping[str, Any]
+) -> float:
+    """Return the width of a legend as it will be drawn [in].
+
+    Parameters
+    ----------
+    handles, labels : sequence
+        Its entries.
+    columns : int
+        How many stand side by side.
+    looks : mapping
+        As in `columns_within`.
+    """
+    legend = Legend(
+        new_figure(_PAPER, _PAPER), handles, labels, ncols=columns, fontsize=TICK_SIZE, **looks
+    )
+    return float(legend.get_window_extent().width) / DPI
 
 
 def lines_within(entries: Mapping[str, Any], width: float, looks: Mapping[str, Any]) -> int:

@@ -12,6 +12,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.patheffects import withStroke
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.plotting.canvas.letters import LETTER, shortened, text_size
 from radmpc.plotting.canvas.places import (
     Around,
     best_name_place,
@@ -23,10 +24,8 @@ from radmpc.plotting.canvas.places import (
 from radmpc.plotting.canvas.style import LABEL_SIZE
 from radmpc.records import dataclass, field
 
-__all__ = ["LETTER", "LabelBoard", "shortened"]
+__all__ = ["LabelBoard"]
 
-# Width and height of a letter in units of the font size: rough, and always a little too wide.
-LETTER = (0.62, 1.25)
 _SHARES = [(x, y) for x in (0.0, -0.5, 0.5, -1.0, 1.0) for y in (0.0, -0.5, 0.5, -1.0, 1.0)]
 """Places in a box that are tried, in shares of what is left around a text there [-]."""
 _FRAME: dict[str, Any] = {
@@ -38,22 +37,6 @@ _ROUNDING = 1e-9
 
 _WIDEST = 0.5
 """Width of a name at most, as a share of the axes': it stands beside what it names [-]."""
-
-
-def shortened(text: str, letters: int) -> str:
-    """Return a text without its middle where it has more letters: both ends tell it from others.
-
-    Parameters
-    ----------
-    text : str
-        One line.
-    letters : int
-        How many there may be.
-    """
-    if len(text) <= letters:
-        return text
-    end = letters // 2
-    return f"{text[: letters - end - 1]}…{text[-end:]}"
 
 
 @dataclass(slots=True)
@@ -91,16 +74,20 @@ class LabelBoard:
         size : float
             Font size [pt].
         """
-        pixels_per_point = self.axes.figure.dpi / 72.0
-        window = self.axes.get_window_extent()
-        left, right = self.axes.get_xlim()
-        scale = (right - left) / (max(window.width, 1.0) / pixels_per_point)
-        return np.array([LETTER[0] * len(text), LETTER[1]]) * size * scale
+        return text_size(text, size) * self._scale
 
     def most_letters(self) -> int:
         """Return how many letters a name may have [-]."""
         left, right = self.axes.get_xlim()
-        return max(int(_WIDEST * (right - left) / self.size("m")[0]), 3)
+        return max(int(_WIDEST * (right - left) / (LETTER[0] * LABEL_SIZE * self._scale)), 3)
+
+    @property
+    def _scale(self) -> float:
+        """Meters per point of a text."""
+        pixels_per_point = self.axes.figure.dpi / 72.0
+        window = self.axes.get_window_extent()
+        left, right = self.axes.get_xlim()
+        return float((right - left) / (max(window.width, 1.0) / pixels_per_point))
 
     def within(
         self,

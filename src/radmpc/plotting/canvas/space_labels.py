@@ -16,7 +16,8 @@ from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.plotting.canvas.figure import cell_of
-from radmpc.plotting.canvas.labels import LETTER, LabelBoard
+from radmpc.plotting.canvas.labels import LabelBoard
+from radmpc.plotting.canvas.letters import text_size
 from radmpc.plotting.canvas.places import (
     Around,
     best_name_place,
@@ -124,7 +125,7 @@ class SpaceBoard:
 
     def _sizes(self, text: str, place: Vector, size: float) -> tuple[Vector, Vector, Vector]:
         """Return where a place is seen, and half the sizes of its mark and of a text [px]."""
-        half = 0.5 * np.array([LETTER[0] * len(text), LETTER[1]]) * size * self._scale
+        half = 0.5 * text_size(text, size) * self._scale
         mark = np.full(2, _HALF_MARK * self._scale * size / LABEL_SIZE)
         return self._seen(place[None, :])[0], mark, half
 

@@ -12,7 +12,8 @@ from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from radmpc.arrays import Vector
 from radmpc.plotting.artists.flat import Color
-from radmpc.plotting.canvas.labels import LETTER, LabelBoard, shortened
+from radmpc.plotting.canvas.labels import LabelBoard
+from radmpc.plotting.canvas.letters import shortened, text_size
 from radmpc.plotting.canvas.style import LABEL_SIZE
 
 __all__ = ["FlatName", "MovingName", "NamesApart", "SolidName"]
@@ -76,7 +77,7 @@ class FlatName:
         half = 0.5 * float(board.size(written)[0])
         self._axes = ax
         self._reach = left + half, right - half  # of a name's middle, so that all can be read
-        self._half = 0.5 * _size(written)
+        self._half = 0.5 * text_size(written, LABEL_SIZE)
         beside = self._half[0] + _BESIDE
         farther = _ABOVE + 2.0 * self._half[1]
         self._offsets = [
@@ -111,7 +112,7 @@ class SolidName:
     """A name in space: above a vehicle, else below it."""
 
     def __init__(self, ax: Axes3D, name: str, color: Color) -> None:
-        self._axes, self._size = ax, _size(name)
+        self._axes, self._size = ax, text_size(name, LABEL_SIZE)
         self._text = ax.text(
             0.0, 0.0, 0.0, name, fontsize=LABEL_SIZE, color=color, zorder=56, ha="center",
             path_effects=[withStroke(linewidth=_EDGING, foreground="white")],
@@ -133,11 +134,6 @@ class SolidName:
         """Write it at one of its places."""
         self._text.set_visible(place is not None)
         self._text.set_verticalalignment("top" if place else "bottom")
-
-
-def _size(text: str) -> Vector:
-    """Return the width and height of a name [pt]."""
-    return LABEL_SIZE * np.array([LETTER[0] * len(text), LETTER[1]])
 
 
 def _box(middle: Vector, half: Vector) -> Vector:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.transforms import ScaledTranslation
 
 from radmpc.model.plan import Plan
-from radmpc.plotting.canvas.columns import columns_within
+from radmpc.plotting.canvas.columns import columns_within, legend_width
 from radmpc.plotting.canvas.figure import DPI, numbers_of
 from radmpc.plotting.canvas.style import COLUMN_WIDTH, LABEL_SIZE, MUTED, TICK_SIZE
 
@@ -18,6 +21,7 @@ __all__ = [
     "ROW",
     "draw_key",
     "has_layout",
+    "key_width",
     "new_column",
     "percent",
     "say_nothing",
@@ -122,6 +126,18 @@ def draw_key(ax: Axes, columns: int) -> int:
         ncols=columns, **_LOOKS,
     )  # fmt: skip
     return -(-len(handles) // columns)
+
+
+def key_width(labels: Sequence[str]) -> float:
+    """Return the width of a key of lines below axes, one entry beneath the other [in].
+
+    Parameters
+    ----------
+    labels : sequence of str
+        What the key says.
+    """
+    handles = [Line2D([], []) for _ in labels]
+    return legend_width(handles, labels, 1, _LOOKS)
 
 
 def write_beside(ax: Axes, row: float, text: str, gid: str) -> None:
