@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from radmpc import plan
+from radmpc import from_dict, plan
 from radmpc.experiments.families import circle, fleet, paper
 
 
@@ -61,3 +61,43 @@ def test_plans_made_together_because_they_would_collide_do_collide_apart():
 
 def test_planners_that_take_all_together_give_no_reason():
     assert plan(paper(2, seed=1), "ira").couplings == ()
+
+
+def holding_place_while_a_ferry_passes():
+    """Two vehicles at rest in their goals, which both have to leave for a while from step 3 on."""
+    outlines = [
+        [[-1.2, y - 1], [1.2, y - 1], [1.2, y + 1], [-1.2, y + 1]] for y in range(-12, 10, 2)
+    ]
+    noise = [0.001, 0.001, 0.0001, 0.0001]
+    return from_dict(
+        {
+            "format": "radmpc/scenario/1",
+            "name": "hold",
+            "dt": 1.0,
+            "horizon": 10,
+            "risk_bound": 0.05,
+            "avoidance": "steps",
+            "obstacles": [{"name": "ferry", "moving": outlines}],
+            "defaults": {
+                "radius": 0.4,
+                "control_limit": 1.5,
+                "speed_limit": 2.5,
+                "initial_covariance": noise,
+                "disturbance_covariance": noise,
+            },
+            "vehicles": [
+                {
+                    "name": name,
+                    "start": [x, 0.0],
+                    "goal": {"center": [x, 0.0], "half_width": 0.4, "speed": 1.0},
+                }
+                for name, x in (("a", -0.2), ("b", -2.1))
+            ],
+        }
+    )
+
+
+def test_vehicles_that_meet_on_the_way_back_to_goals_they_had_left_are_planned_together():
+    result = plan(holding_place_while_a_ferry_passes(), "multi-vehicle", rng=0)
+    assert result.sets == (("a", "b"),)
+    assert result.is_certified

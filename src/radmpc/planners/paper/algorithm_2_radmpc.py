@@ -127,7 +127,7 @@ def approximate(scenario: Scenario, planner: Planner, run: Run) -> Approximation
             else:
                 state.advance(k, int(i))
             run.progress("radmpc", k * scenario.num_vehicles + done + 1, total)
-            if state.stuck or state.is_limited or state.num_traveling == 0:
+            if state.stuck or state.is_limited or all(state.stays_in_goal):
                 return state.finish()
     return state.finish()
 
@@ -156,7 +156,7 @@ class _Radmpc:
         self.risk_pool = scenario.risk_bound - at_start
         self.charged = np.zeros((N, T + 1))
         self.is_limited = False
-        self.num_traveling = N
+        self.stays_in_goal = [False] * N
         self.divisor = N
         self.num_waiting = N
         self.has_arrived = [False] * N
@@ -196,7 +196,10 @@ class _Radmpc:
         risks = encounter_risks(self.fleet, k, i, plan, self.controls[i], self.obstacles, range(1))
         self.pair_risk[i] = np.maximum(self.pair_risk[i], risks)
         self.means[i] = plan[1]
-        if vehicle.goal.contains(*self.fleet.place(i, plan[1])):
+        in_goal = [vehicle.goal.contains(*self.fleet.place(i, state)) for state in plan[1:]]
+        # A plan that leaves the goal again may still meet others: their couplings are not known.
+        self.stays_in_goal[i] = all(in_goal)
+        if in_goal[0]:
             self._arrive(i)
         self.obstacles[i] = make_temporal_obstacle(
             vehicle,
@@ -212,12 +215,10 @@ class _Radmpc:
         """Take a vehicle in its goal off N*: once, or as the pseudo-code has it every time."""
         if not self.has_arrived[i] or self.receding.arrivals == "every_step":
             self.divisor = max(self.divisor - 1, 1)
-        if not self.has_arrived[i]:
-            self.has_arrived[i] = True
-            self.num_traveling -= 1
+        self.has_arrived[i] = True
 
     def finish(self) -> Approximation:
-        """Return what was executed; vehicles that all arrived early keep their last plans."""
+        """Return what was executed; vehicles that all stay in their goals keep their plans."""
         complete = not self.is_limited and not self.stuck
         return Approximation(
             controls=tuple(self.controls) if complete else None,
