@@ -15,8 +15,9 @@ import json
 import resource
 import statistics
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from radmpc import import_scenario, plan
@@ -54,31 +55,42 @@ class Row:
     status: str
 
 
-def problems(seeds: int) -> Iterator[tuple[str, Scenario]]:
-    """Return names and scenarios, those of other groups as they import.
-
-    The import chooses a map's steps, and a plan in other steps costs something else: its name says
-    how many there are.
-    """
+def problems(seeds: int) -> Iterator[tuple[str, Callable[[], Scenario]]]:
+    """Return names, and what makes the scenarios, those of other groups as they import."""
     for name in IMPORTED:
-        scenario = import_scenario(INSTANCES / name).scenario
-        yield Path(name).stem + (f", {scenario.horizon} steps" if "map_" in name else ""), scenario
+        yield Path(name).stem, partial(_imported, name)
     for count in (4, 8, 16):
-        yield f"circle({count})", circle(count)
+        yield f"circle({count})", partial(circle, count)
     for seed in range(seeds):
-        for count in (2, 4, 10):
-            for avoidance in ("steps", "intervals"):
-                drawn = clutter(count, 100, seed)
+        for avoidance in ("steps", "intervals"):
+            for count in (2, 4, 10):
                 name = f"clutter({count}, 100, {seed}) {avoidance}"
-                yield name, replace(drawn, avoidance=avoidance)
-        for count in (2, 4, 6, 8):
-            for avoidance in ("steps", "intervals"):
-                drawn = paper(count, seed)
-                yield f"paper({count}, {seed}) {avoidance}", replace(drawn, avoidance=avoidance)
+                yield name, partial(_avoiding, avoidance, clutter, count, 100, seed)
+            for count in (2, 4, 6, 8):
+                name = f"paper({count}, {seed}) {avoidance}"
+                yield name, partial(_avoiding, avoidance, paper, count, seed)
         for count in (64, 256):
-            yield f"fleet({count}, {seed})", fleet(count, seed)
-    yield "fleet(1000, 0)", fleet(1000, 0)
-    yield "swarm(200, 0)", swarm(200, 0)
+            yield f"fleet({count}, {seed})", partial(fleet, count, seed)
+    yield "fleet(1000, 0)", partial(fleet, 1000, 0)
+    yield "swarm(200, 0)", partial(swarm, 200, 0)
+
+
+def _imported(name: str) -> Scenario:
+    """Return another group's problem."""
+    return import_scenario(INSTANCES / name).scenario
+
+
+def _avoiding(avoidance: str, family: Callable[..., Scenario], *numbers: int) -> Scenario:
+    """Return a member of a family with collisions counted at steps, or along intervals."""
+    return replace(family(*numbers), avoidance=avoidance)
+
+
+def full_name(name: str, scenario: Scenario) -> str:
+    """Return the name under which costs are compared.
+
+    The import chooses a map's steps, and a plan in other steps costs something else.
+    """
+    return f"{name}, {scenario.horizon} steps" if name.startswith("map_") else name
 
 
 def planned(name: str, scenario: Scenario, planner: str, time_limit: float) -> Row:
@@ -136,8 +148,8 @@ def main() -> None:
     parser.add_argument("--lower", action="store_true", help="write best known costs that fell")
     options = parser.parse_args()
     chosen = [
-        (name, scenario)
-        for name, scenario in problems(options.seeds)
+        (name, make)
+        for name, make in problems(options.seeds)
         if not options.only or any(part in name for part in options.only)
     ]
     if not chosen:
@@ -148,7 +160,9 @@ def main() -> None:
         f"{'any %':>6} {'all s (cpu)':>16} {'MB':>6}"
     )
     ratios = []
-    for name, scenario in chosen:
+    for part, make in chosen:
+        scenario = make()
+        name = full_name(part, scenario)
         row = planned(name, scenario, options.planner, options.time_limit)
         print(told(row, best.get(name)), flush=True)
         if row.cost is None:
