@@ -5,13 +5,13 @@
 Problems are `paper(N)`, the planner is `certified`, asked for a gap of G: until its first
 certified plan, and until it ends, by a proof of the gap or by its limit. Reference and assumption,
 those of `assumptions.py`, take turns in one run, and whichever goes first changes from seed to
-seed. What lasts adds up, and makes another problem; so it is held, too, against new noise that strays as
-far by the end, as what crosses is against an outline that is known but larger by three deviations,
-and few samples against known noise that takes as wide a margin at a risk of 1e-3. Seconds are the
-processor's, of the thread that plans (NumPy's own wait for work that a gain was computed with);
-ratios are taken seed by seed, and the table has their medians, the largest, how many ended with a
-proof, and how far plans are at most from any other that the referee would certify, in the mean of
-those that have a plan under both.
+seed. What lasts adds up, and makes another problem; so it is held, too, against new noise that
+strays as far by the end, as what crosses is against an outline that is known but larger by three
+deviations, and few samples against known noise that takes as wide a margin at a risk of 1e-3.
+Seconds are the processor's, of the thread that plans (NumPy's own wait for work that a gain was
+computed with); ratios are taken seed by seed, and the table has their medians, the largest, how
+many ended with a proof, and how far plans are at most from any other that the referee would
+certify, in the mean of those that have a plan under both.
 """
 
 from __future__ import annotations
