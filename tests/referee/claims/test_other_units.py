@@ -213,7 +213,7 @@ FAULTS: list[Callable[[Plan], Plan]] = [
 ]
 
 
-@pytest.mark.sampled(60)
+@pytest.mark.sampled(24)
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.__name__)
 @UNITS
 def test_what_is_wrong_with_a_plan_is_wrong_in_other_units(

@@ -139,6 +139,7 @@ def test_missions_collide_as_gaussian_ones_mixed_over_the_factor_and_less_than_c
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
 @pytest.mark.parametrize("samples", [4, 30])
 def test_a_certificate_along_intervals_is_that_of_gaussian_noise_mixed_over_the_factor(
