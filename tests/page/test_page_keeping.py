@@ -11,6 +11,8 @@ from serving_page import ROOT, STRAIT, until
 pytestmark = pytest.mark.slow  # each in a browser
 
 LOST = re.compile("^Connection lost")
+HARBOR = ROOT / "src" / "radmpc" / "data" / "harbor.yaml"
+PLAN = re.compile("^Plan at Δ")
 
 
 def test_a_reload_loses_nothing(screen, server):
@@ -166,3 +168,30 @@ def test_a_page_with_another_token_is_told_so_and_shown_nothing(screen):
     page.page.evaluate("sessionStorage.setItem('token', 'wrong')")
     page.page.reload()
     page.sees(re.compile("does not know this page"))
+
+
+def test_the_focus_stays_near_what_it_was_on_when_that_goes_away(screen, server):
+    page = screen(server.open("focused.yaml", HARBOR.read_text(encoding="utf-8")))
+    focused, keys = page.page.locator(":focus"), page.page.keyboard
+    # A dialog begins where a name is typed.
+    page.tab("Scene").get_by_role("option", name="islet").click()
+    page.button("focused.yaml").click()
+    page.page.locator("dialog input:focus").wait_for()
+    keys.press("Escape")
+    # The last obstacle is removed: the workspace comes to be at its place.
+    entries = page.page.get_by_role("option").filter(visible=True)
+    entry = entries.nth(entries.count() - 2)
+    entry.focus()
+    entry.press("Enter")
+    entry.focus()
+    keys.press("Delete")
+    until(lambda: len(page.content["obstacles"]) == 2)
+    until(lambda: focused.count() and focused.inner_text().startswith("workspace"))
+    keys.press("ArrowDown")
+    page.page.get_by_role("option", name="workspace", selected=True).wait_for()
+    panel = page.tab("Plan")
+    panel.get_by_label("Gap").fill("0.0000001")
+    page.button(PLAN).click()
+    page.button("Stop").press("Enter")
+    until(lambda: page.state["searches"][-1]["state"] == "ended")
+    until(lambda: focused.count() and focused.inner_text().startswith("Plan at Δ"))

@@ -140,6 +140,18 @@ def test_a_phone_shows_all_of_it_without_scrolling_aside(screen, strait):
     assert box["height"] >= 250
 
 
+def test_a_low_screen_as_at_twice_the_size_shows_all_of_the_map(screen, strait):
+    page = shown(screen, strait, width=720, height=450)
+    box = page.map.bounding_box()
+    assert box["width"] >= 300
+    assert box["height"] >= 250
+    for corner in ((0, 0), (20, 12)):
+        x, y = page.at(*corner)
+        assert box["x"] <= x <= box["x"] + box["width"]
+        assert box["y"] <= y <= box["y"] + box["height"]
+    assert page.page.evaluate("document.documentElement.scrollWidth") <= 720
+
+
 def test_scenes_in_space_turn_by_hand_and_by_keys(screen, server):
     drones = ROOT / "src" / "radmpc" / "data" / "templates" / "drones.yaml"
     page = screen(server.open("drones.yaml", drones.read_text(encoding="utf-8")))

@@ -80,6 +80,12 @@ def test_the_plan_that_a_search_ends_with_stands_once_in_the_list(desk):
     assert desk.told[-1]["summary"] == plans[-1]
 
 
+def test_a_plan_that_is_told_at_the_end_alone_is_one_that_was_found(desk):
+    search = asked(desk, opened(desk))
+    search._finish(Ended(drawn(2.0), ()))
+    assert (search.state["found"], search.state["cost"]) == (1, 2.0)
+
+
 def test_a_last_plan_that_differs_stands_beside_the_others(desk):
     document = opened(desk)
     search = asked(desk, document)

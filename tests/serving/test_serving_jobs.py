@@ -291,6 +291,9 @@ def test_a_chart_is_added_where_it_is_on_earth_or_in_the_middle_of_the_workspace
     content = read_chart(Told(), ground, "coast.geojson")
     again = read_obstacles(Told(), ground, "coast.geojson", content)
     np.testing.assert_allclose(corners_of(again), corners_of(content["obstacles"]), atol=1e-6)
+    content["source"]["origin"]["longitude"] -= 0.01  # a neighbor's
+    beside = corners_of(read_obstacles(Told(), ground, "coast.geojson", content))
+    np.testing.assert_allclose(beside - corners_of(again), [[655.6, 0.0]] * len(beside), atol=0.5)
     document = two()
     corners = corners_of(read_obstacles(Told(), ground, "coast.geojson", document))
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))

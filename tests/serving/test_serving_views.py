@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from importlib.resources import files
 from typing import get_args
 
 import numpy as np
 import pytest
 
+import radmpc
+from radmpc.experiments.families import paper
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.text.yaml_text import read_yaml
 from radmpc.model.relations.couplings import Coupling, Reason
@@ -15,8 +18,9 @@ from radmpc.serving.documents.content import changed
 from radmpc.serving.views.ellipses import ellipses_of
 from radmpc.serving.views.handles import value_at
 from radmpc.serving.views.numbers import Rounding
-from radmpc.serving.views.plan import _coupling
+from radmpc.serving.views.plan import _coupling, plan_summary, plan_view
 from radmpc.serving.views.scenario import scenario_view
+from radmpc.serving.work.reasons import remarks_of
 
 SHAPES = {
     "polygon": {"vertices": [[10, 10], [14, 10], [14, 14], [10, 14]],
@@ -169,3 +173,12 @@ def test_whom_an_obstacle_concerns_and_who_keeps_in_range_is_told():
     view = scenario_view(decode_scenario(content), content)
     assert [one["only"] for one in view["obstacles"]] == ["not for a, b", "for c", None]
     assert view["ranges"] == [{"vehicles": ["a", "c"], "within": 12.5}]
+
+
+def test_the_page_does_not_speak_of_keys_of_the_terminal():
+    stopped = radmpc.plan(paper(5, 0), stop=lambda: True).record
+    assert "Ctrl-C" in stopped.explanation
+    summary = plan_summary(stopped, "p1", 0)
+    view = plan_view(stopped, summary, remarks=remarks_of(stopped))
+    assert "it was stopped on request" in summary["explanation"]
+    assert "Ctrl-C" not in json.dumps(view)

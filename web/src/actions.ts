@@ -84,13 +84,19 @@ export async function idle(): Promise<void> {
   await last;
 }
 
-function next(make: (state: DocumentState) => Promise<DocumentState> | null): Promise<boolean> {
+function next(label: string, make: (state: DocumentState, asked: DocumentState) => Promise<DocumentState> | null): Promise<boolean> {
+  const asked = document.peek();
   const done = last.then(async () => {
     const state = document.peek();
-    const asked = state === null ? null : make(state);
-    if (asked === null) return false;
+    if (asked === null || state === null) return false;
+    if (asked.document !== state.document) {
+      complain(new Error(`Another document was opened before this was done: ${label}`));
+      return false;
+    }
+    const answer = make(state, asked);
+    if (answer === null) return false;
     try {
-      take(await asked);
+      take(await answer);
       return true;
     } catch (error) {
       await refused(error);
@@ -128,12 +134,7 @@ export type Making = (state: DocumentState) => readonly Change[] | null;
  * that they were meant for.
  */
 export function change(changes: readonly Change[] | Making, label: string): Promise<boolean> {
-  const asked = document.peek();
-  return next((state) => {
-    if (asked?.document !== state.document) {
-      complain(new Error(`Another document was opened before this was done: ${label}`));
-      return null;
-    }
+  return next(label, (state, asked) => {
     const made = typeof changes === "function" ? changes(state) : carried(changes, asked, state);
     if (made === null) return null;
     return call("change", { document: state.document, revision: state.revision, changes: made, label });
@@ -150,11 +151,11 @@ function carried(changes: readonly Change[], asked: DocumentState, state: Docume
 }
 
 export function undo(): Promise<boolean> {
-  return next(({ document: id, revision, canUndo }) => (canUndo ? call("undo", { document: id, revision }) : null));
+  return next("Undo", ({ document: id, revision, canUndo }) => (canUndo ? call("undo", { document: id, revision }) : null));
 }
 
 export function redo(): Promise<boolean> {
-  return next(({ document: id, revision, canRedo }) => (canRedo ? call("redo", { document: id, revision }) : null));
+  return next("Redo", ({ document: id, revision, canRedo }) => (canRedo ? call("redo", { document: id, revision }) : null));
 }
 
 /** The plans that were asked for last: what comes later than they do is not shown. */

@@ -3,6 +3,7 @@
 import { render } from "preact";
 import { start } from "./actions";
 import { listenToKeys } from "./edit/keyboard";
+import { keepFocus } from "./focus";
 import { watch } from "./scene/viewport";
 import { Shell } from "./shell";
 import { call } from "./connection";
@@ -12,7 +13,10 @@ import { shown } from "./state/plans";
 import { restore } from "./state/restore";
 
 const root = document.getElementById("page");
-if (root !== null) render(<Shell />, root);
+if (root !== null) {
+  render(<Shell />, root);
+  keepFocus(root);
+}
 listenToKeys();
 startClock();
 watch();

@@ -2,7 +2,7 @@
 
 import { redo, undo } from "./actions";
 import { pending } from "./connection";
-import { settle } from "./edit/nudge";
+import { after } from "./edit/nudge";
 import { choose, tool, type Tool } from "./edit/tools";
 import { dialog, save } from "./files/saving";
 import { Icon, type IconName } from "./icons";
@@ -69,8 +69,8 @@ export function Toolbar() {
         <DocumentName />
       </div>
       <div class="group history">
-        <IconButton icon="undo" label="Undo" keys="Ctrl+Z" isOff={state?.canUndo !== true} act={() => void settle().then(undo)} />
-        <IconButton icon="redo" label="Redo" keys="Ctrl+Shift+Z" isOff={state?.canRedo !== true} act={() => void settle().then(redo)} />
+        <IconButton icon="undo" label="Undo" keys="Ctrl+Z" isOff={state?.canUndo !== true} act={() => after(undo)} />
+        <IconButton icon="redo" label="Redo" keys="Ctrl+Shift+Z" isOff={state?.canRedo !== true} act={() => after(redo)} />
       </div>
       <div class="group tools" role="group" aria-label="Tools">
         {TOOLS.map(([name, label, key]) => (

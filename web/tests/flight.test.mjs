@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { show, takeFlight } from "../src/actions.ts";
 import { follow, once } from "../src/panels/asking.ts";
+import { pointAtLines } from "../src/panels/pointing.ts";
 import { goTo, isFollowing, isPlaying, play, time } from "../src/state/playback.ts";
 import { signal } from "@preact/signals";
 
@@ -44,4 +45,14 @@ test("of two quick clicks one asks", async () => {
   await first;
   void once(is, run);
   assert.equal(asked, 2);
+});
+
+test("a line of the ledger is pointed at while a flight goes on, which is followed again after", () => {
+  isFollowing.value = true;
+  fly(5);
+  pointAtLines([{ vehicle: "tug", cause: "obstacle", other: "rock", step: 2, risk: 0.1, at: [0, 0] }]);
+  fly(6);
+  assert.equal(time.peek(), 2);
+  pointAtLines(null);
+  assert.deepEqual([time.peek(), isFollowing.peek()], [6, true]);
 });

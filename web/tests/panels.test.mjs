@@ -2,7 +2,8 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { accountLines, replans, tickAt } from "../src/panels/account.ts";
 import { differences } from "../src/panels/difference.ts";
-import { bound, cost, duration, leftOf, percent, percentUp, share, signedCost, signedPercent } from "../src/panels/format.ts";
+import { Button } from "../src/panels/controls.tsx";
+import { bound, cost, duration, leftOf, ofPercent, percent, percentUp, share, signedCost, signedPercent } from "../src/panels/format.ts";
 import { sentence } from "../src/panels/search.tsx";
 import { judged } from "../src/panels/simulate.tsx";
 import { timeAfter } from "../src/panels/timeline.tsx";
@@ -130,4 +131,19 @@ test("a name goes where no other stands, and is left out where there is no such 
   assert.equal(taken.claim(places), places[1]);
   taken.add({ left: 0, top: 0, width: 200, height: 100 });
   assert.equal(taken.claim(places), null);
+});
+
+test("the second click of a double click leaves alone what has come to be there since the first", () => {
+  let clicks = 0;
+  const { onClick } = Button({ children: "Plan", onClick: () => (clicks += 1) }).props;
+  for (const detail of [1, 2, 3]) onClick({ detail });
+  assert.equal(clicks, 1);
+  // As by Enter.
+  onClick({ detail: 0 });
+  assert.equal(clicks, 2);
+});
+
+test("the least gap that can be entered is one that the server takes", () => {
+  assert.equal(ofPercent(1e-7), 1e-9);
+  assert.equal(ofPercent(0.7), 0.007);
 });

@@ -2,10 +2,12 @@
 
 import assert from "node:assert/strict";
 import test from "node:test";
-import { change, comparePlan, show, showPlan } from "../src/actions.ts";
+import { change, comparePlan, show, showPlan, undo } from "../src/actions.ts";
 import { connect } from "../src/connection.ts";
+import { insertAt } from "../src/edit/corners.ts";
 import { addVehicle, addWaypoint, pick, remove } from "../src/edit/create.ts";
-import { Drag } from "../src/edit/drag.ts";
+import { activeHandle, Drag } from "../src/edit/drag.ts";
+import { after, nudge } from "../src/edit/nudge.ts";
 import { document, echoes, scenario } from "../src/state/document.ts";
 import { comparedId, shownId } from "../src/state/plans.ts";
 import { selected } from "../src/state/selection.ts";
@@ -204,4 +206,56 @@ test("of plans that were asked for the last is shown, in whatever order they com
   show(stateOf([vehicle("tug")], "two"));
   await answer(server.sent.at(-1), { plan: "late" });
   assert.deepEqual([document.peek().document, shownId.peek()], ["two", null]);
+});
+
+test("what is to be undone in one document is not undone in another that was opened meanwhile", async () => {
+  open(vehicle("tug"));
+  void change([{ path: ["vehicles", 0, "radius"], value: 1 }], "Set radius");
+  void undo();
+  await rest();
+  show({ ...stateOf([vehicle("ferry")], "two"), canUndo: true });
+  await answer(server.sent[0], stateOf([vehicle("tug")]));
+  assert.deepEqual(server.sent.map(({ call }) => call), ["change"]);
+});
+
+test("what is asked for after keys have moved something is asked for after the move", async () => {
+  globalThis.window = globalThis;
+  open(vehicle("tug"), vehicle("ferry", 2));
+  pick({ kind: "vehicle", path: ["vehicles", 0] });
+  nudge(1, 0, 10);
+  after(() => remove(selected.peek()));
+  await rest();
+  assert.equal(selected.peek(), null);
+  await answer(server.sent[0], stateOf([vehicle("tug", 1), vehicle("ferry", 2)]));
+  assert.deepEqual(server.sent.map(({ args }) => args.label), ["Move tug", "Remove tug"]);
+  await answer(server.sent[1], stateOf([vehicle("ferry", 2)]));
+});
+
+test("a corner that is added to an outline leaves one where it was dragged meanwhile", async () => {
+  const rock = (vertices, i = 0) => {
+    const path = ["obstacles", i];
+    const corners = vertices.map((at, k) => ({ at, x: [[...path, "vertices", k, 0]], y: [[...path, "vertices", k, 1]], z: [] }));
+    const all = { at: vertices[0], x: corners.flatMap(({ x }) => x), y: corners.flatMap(({ y }) => y), z: [] };
+    return { name: "rock", path, rings: [vertices], corners: [], handles: [all, ...corners] };
+  };
+  const stateWith = (vertices) => {
+    const state = stateOf([]);
+    const content = { vehicles: [], obstacles: [{ name: "rock", vertices }] };
+    return { ...state, content, view: { ...state.view, obstacles: [rock(vertices)] } };
+  };
+  open();
+  show(stateWith([[0, 0], [4, 0], [4, 4]]));
+  const thing = { kind: "obstacle", path: ["obstacles", 0] };
+  pick(thing);
+  const drag = new Drag(thing, 3);
+  drag.show(0, 2);
+  void drag.finish();
+  void insertAt([2, 0], 0.5);
+  await rest();
+  await answer(server.sent[0], stateWith([[0, 0], [4, 0], [4, 6]]));
+  assert.deepEqual(server.sent[1].args.changes, [
+    { path: ["obstacles", 0, "vertices"], value: [[0, 0], [2, 0], [4, 0], [4, 6]] },
+  ]);
+  await answer(server.sent[1], stateWith([[0, 0], [2, 0], [4, 0], [4, 6]]));
+  assert.equal(activeHandle.peek(), 2);
 });

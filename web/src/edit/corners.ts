@@ -1,9 +1,9 @@
 /** Corners of outlines: added and taken away. */
 
 import { change } from "../actions";
-import type { Handle, Path } from "../protocol";
-import { document } from "../state/document";
-import { selected, type Thing } from "../state/selection";
+import type { DocumentState, Handle, Path } from "../protocol";
+import { document, Held } from "../state/document";
+import { samePath, selected, type Thing } from "../state/selection";
 import { activeHandle, isWhole } from "./drag";
 import { clean, get, isList } from "./paths";
 import { handlesOf, nameOf } from "./things";
@@ -93,19 +93,29 @@ function distance([a, b]: readonly [Point, Point], [x, y]: Point): number {
 }
 
 async function insertAfter(corner: Corner, place: Point | null): Promise<void> {
-  const state = document.peek();
-  const list = get(state?.content, corner.list);
-  const edge = edgeOf(list, corner);
-  if (state?.view == null || !isList(list) || edge === null) return;
-  const [a, b] = edge;
-  const made = place ?? [clean((a[0] + b[0]) / 2), clean((a[1] + b[1]) / 2)];
-  const value = [...list.slice(0, corner.index + 1), made, ...list.slice(corner.index + 1)];
-  if (!(await change([{ path: corner.list, value }], `Add a corner of ${nameOf(state.view, corner.thing)}`))) return;
+  const before = document.peek()?.view;
+  if (before == null) return;
+  const held = new Held(corner.thing);
+  const own = corner.list.slice(corner.thing.path.length);
+  // Corners may be moved, and the obstacle, by changes that have not been answered yet.
+  const make = ({ content }: DocumentState) => {
+    if (held.thing === null) return null;
+    const path = [...held.thing.path, ...own];
+    const list = get(content, path);
+    const edge = edgeOf(list, corner);
+    if (!isList(list) || edge === null) return null;
+    const [a, b] = edge;
+    const made = place ?? [clean((a[0] + b[0]) / 2), clean((a[1] + b[1]) / 2)];
+    return [{ path, value: [...list.slice(0, corner.index + 1), made, ...list.slice(corner.index + 1)] }];
+  };
+  if (!(await change(make, `Add a corner of ${nameOf(before, corner.thing)}`))) return;
   const view = document.peek()?.view;
-  if (view == null) return;
-  const at = handlesOf(view, corner.thing).findIndex((handle) => {
-    const found = cornerOf(corner.thing, handle);
-    return found?.index === corner.index + 1 && found.list.join() === corner.list.join();
+  const { thing } = held;
+  if (view == null || thing === null) return;
+  const path = [...thing.path, ...own];
+  const at = handlesOf(view, thing).findIndex((handle) => {
+    const found = cornerOf(thing, handle);
+    return found?.index === corner.index + 1 && samePath(found.list, path);
   });
   activeHandle.value = Math.max(at, 0);
 }

@@ -9,7 +9,7 @@ import { camera, fit, panBy, zoom } from "../scene/viewport";
 import { insertCorner, removeCorner } from "./corners";
 import { remove, pick } from "./create";
 import { activeHandle, decimals } from "./drag";
-import { nudge, settle } from "./nudge";
+import { after, nudge, settle } from "./nudge";
 import { handlesOf } from "./things";
 import * as tools from "./tools";
 
@@ -83,8 +83,8 @@ function command(event: KeyboardEvent): boolean {
   }
   // In a field, undo is that of the field.
   if (isTyping(event)) return false;
-  if (key === "z" && !event.shiftKey) void settle().then(undo);
-  else if (key === "y" || key === "z") void settle().then(redo);
+  if (key === "z" && !event.shiftKey) after(undo);
+  else if (key === "y" || key === "z") after(redo);
   else return false;
   return true;
 }
@@ -108,7 +108,7 @@ function plain(event: KeyboardEvent): boolean {
     case "Delete": {
       const thing = selected.peek();
       if (thing === null) return false;
-      void settle().then(() => remove(thing));
+      after(() => remove(thing));
       return true;
     }
     case "?":
@@ -160,7 +160,7 @@ function other(event: KeyboardEvent): boolean {
     case "Enter":
       return enter();
     case "Backspace":
-      if (tools.tool.peek() === "select") void settle().then(() => removeCorner());
+      if (tools.tool.peek() === "select") after(removeCorner);
       else tools.takeBack();
       return true;
     case "+":
@@ -177,7 +177,7 @@ function other(event: KeyboardEvent): boolean {
       goTo(Infinity);
       return true;
     case "Insert":
-      void settle().then(() => insertCorner());
+      after(insertCorner);
       return true;
     case "[":
     case "]":

@@ -41,6 +41,12 @@ export async function settle(): Promise<void> {
   await done?.finish();
 }
 
+/** Ask for something after what the keys did so far: changes are made in the order in which they are asked for. */
+export function after(ask: () => Promise<unknown>): void {
+  void settle();
+  void ask();
+}
+
 /** Once the server has all that was done so far. */
 export async function settled(): Promise<void> {
   await settle();

@@ -30,12 +30,14 @@ export function Outline() {
   const listed = all.slice(0, MAX_LISTED);
   const current = listed.findIndex((thing) => sameThing(thing, selected.value));
   const move = (event: KeyboardEvent) => {
-    const to = targetOf(event.key, current, listed.length);
+    const rows = [...(list.current?.querySelectorAll<HTMLElement>("[role=option]") ?? [])];
+    const focused = rows.findIndex((row) => row === event.target);
+    const to = targetOf(event.key, current, focused, listed.length);
     const thing = to === null ? undefined : listed[to];
     if (thing === undefined) return;
     event.preventDefault();
     choose(view, thing);
-    list.current?.querySelectorAll<HTMLElement>("[role=option]")[to ?? 0]?.focus();
+    rows[to ?? 0]?.focus();
   };
   return (
     <section class="outline" aria-label="Things">
@@ -70,12 +72,13 @@ export function Outline() {
   );
 }
 
-function targetOf(key: string, current: number, count: number): number | null {
+/** Where a key leads from the selected entry; with none, as after its removal, arrows select the one with the focus. */
+function targetOf(key: string, current: number, focused: number, count: number): number | null {
   switch (key) {
     case "ArrowDown":
-      return Math.min(current + 1, count - 1);
+      return Math.min(current < 0 ? focused : current + 1, count - 1);
     case "ArrowUp":
-      return Math.max(current - 1, 0);
+      return Math.max(current < 0 ? focused : current - 1, 0);
     case "Home":
       return 0;
     case "End":

@@ -159,6 +159,7 @@ function SaveDialog() {
         <label class="stacked">
           Name in <code>{hello.value?.folder ?? ""}</code>
           <input
+            autofocus
             value={path.value}
             aria-invalid={problem.value !== null}
             onInput={(event) => {

@@ -11,6 +11,7 @@ import { searches, shown, shownId } from "../state/plans";
 import { dt, isFollowing, isPlaying, seek } from "../state/playback";
 import { tell } from "../state/session";
 import type { FlightOrder } from "./flight";
+import { isPointing } from "./pointing";
 import type { Moment, Wishes } from "./search";
 
 export const wishes = signal<Wishes>({ planner: "certified", seconds: 60, gap: null });
@@ -201,7 +202,7 @@ export function follow(): void {
   });
   effect(() => {
     const now = flight.value;
-    if (now?.state !== "running" || !isFollowing.value) return;
+    if (now?.state !== "running" || !isFollowing.value || isPointing()) return;
     isPlaying.value = false;
     seek(now.step);
   });

@@ -41,7 +41,10 @@ export function Button({ children, onClick, kind = "plain", disabled = false, la
       disabled={disabled}
       aria-label={label}
       aria-pressed={pressed}
-      onClick={onClick}
+      onClick={({ detail }) => {
+        // The second click of a double click was not meant for what has come to be there since the first.
+        if (detail < 2) onClick();
+      }}
     >
       {children}
     </button>

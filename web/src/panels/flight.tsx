@@ -72,7 +72,7 @@ function Start(props: FlightProps) {
           <select id="flight-pace" value={String(pace)} onChange={(event) => onOrder({ ...order, pace: Number(event.currentTarget.value) })}>
             {PACES.map((one) => (
               <option key={one} value={String(one)}>
-                {one === 0 ? "as fast as it goes" : `× ${one}`}
+                {one === 0 ? "fastest" : `× ${one}`}
               </option>
             ))}
           </select>
@@ -103,7 +103,7 @@ function whyNotFly(plan: PlanSummary | null, isFlying: boolean): string {
 
 function Chooser({ flights, flight, onChoose }: FlightProps) {
   return (
-    <div class="p-field p-wide">
+    <div class="p-block p-field p-wide">
       <label for="flight-which">Flight</label>
       <select id="flight-which" value={flight?.flight ?? ""} onChange={(event) => onChoose(event.currentTarget.value === "" ? null : event.currentTarget.value)}>
         <option value="">none</option>

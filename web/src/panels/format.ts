@@ -35,6 +35,11 @@ function inPercent(probability: number | null, digits: number, rounding: (x: num
   return `${plain(probability * 100, digits, rounding)} %`;
 }
 
+/** The share that so many percent are, without the noise of the last binary digits: 1e-7 % are 1e-9, and no less. */
+export function ofPercent(percents: number): number {
+  return Number((percents / 100).toPrecision(12));
+}
+
 /** Few digits and a power of ten: `4·10⁻⁶ %` stands in a column of a few digits. */
 function powerOfTen(percents: number, rounding: (x: number) => number, digits = 1): string {
   let exponent = Math.floor(Math.log10(Math.abs(percents)));

@@ -1,14 +1,19 @@
 /** Pointing from a panel at the map: what is highlighted, and the time that goes with it. */
 
-import { batch } from "@preact/signals";
+import { batch, signal } from "@preact/signals";
 import type { LedgerLine, Remark } from "../protocol";
 import { goTo, isPlaying, seek, time } from "../state/playback";
 import { highlight, type Highlight } from "../state/selection";
 import type { Difference } from "./difference";
 import { vehiclesOf } from "./ledger";
 
-/** Time before a panel was pointed at, to which it goes back [steps]. */
-let before: number | null = null;
+/** Time before a panel was pointed at, to which it goes back [steps]; null where time is not pointed at. */
+const before = signal<number | null>(null);
+
+/** Whether the time shown is that of what is pointed at, which does not go on with a flight. */
+export function isPointing(): boolean {
+  return before.value !== null;
+}
 
 /** Highlight something and show its time, until `release`. */
 function point(at: Highlight, step: number | null): void {
@@ -16,7 +21,7 @@ function point(at: Highlight, step: number | null): void {
     highlight.value = at;
     // What plays goes on: time that jumps while it runs says nothing.
     if (step === null || isPlaying.peek()) return;
-    before ??= time.peek();
+    before.value ??= time.peek();
     seek(step);
   });
 }
@@ -25,15 +30,18 @@ function point(at: Highlight, step: number | null): void {
 export function release(): void {
   batch(() => {
     highlight.value = null;
-    if (before !== null && !isPlaying.peek()) seek(before);
-    before = null;
+    const step = before.peek();
+    if (step !== null && !isPlaying.peek()) seek(step);
+    before.value = null;
   });
 }
 
 /** Stay at the time that is shown. */
 export function stay(step: number | null): void {
-  before = null;
-  if (step !== null) goTo(step);
+  batch(() => {
+    if (step !== null) goTo(step);
+    before.value = null;
+  });
 }
 
 export function pointAtLines(lines: readonly LedgerLine[] | null): void {

@@ -4,7 +4,7 @@ import { useMemo } from "preact/hooks";
 import type { Hello, SearchState } from "../protocol";
 import { Block, Button, Choice, Facts, NumberField } from "./controls";
 import { Curve, Key, type Line } from "./curve";
-import { bound, cost, count, counted, gap, seconds, trimmed } from "./format";
+import { bound, cost, count, counted, gap, ofPercent, seconds, trimmed } from "./format";
 import { Speaker } from "./speaking";
 
 /** What the next search is asked for. */
@@ -47,7 +47,7 @@ export function Search(props: SearchProps) {
         <Choice label="Planner" value={wishes.planner} options={props.planners} onChange={(planner) => onWishes({ ...wishes, planner })} />
         <div class="p-pair">
           <NumberField label="Time limit" unit="s" value={wishes.seconds} min={0.1} max={86400} onChange={(value) => onWishes({ ...wishes, seconds: value ?? 60 })} />
-          <NumberField label="Gap" unit="%" value={wishes.gap === null ? null : Number((wishes.gap * 100).toPrecision(6))} min={1e-7} max={100} optional onChange={(value) => onWishes({ ...wishes, gap: value === null ? null : value / 100 })} />
+          <NumberField label="Gap" unit="%" value={wishes.gap === null ? null : Number((wishes.gap * 100).toPrecision(6))} min={1e-7} max={100} optional onChange={(value) => onWishes({ ...wishes, gap: value === null ? null : ofPercent(value) })} />
         </div>
       </div>
       <div class="p-actions">

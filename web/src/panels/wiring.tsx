@@ -6,6 +6,7 @@
  */
 
 import { computed } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import { change, comparePlan, showPlan } from "../actions";
 import { document, scenario } from "../state/document";
 import { flight, flights } from "../state/flights";
@@ -20,7 +21,7 @@ import { Delta } from "./delta";
 import { Flight } from "./flight";
 import { risksBySteps } from "./ledger";
 import { Plans } from "./plans";
-import { pointAtDifference, pointAtLines, pointAtRemark, pointAtVehicles, stay } from "./pointing";
+import { pointAtDifference, pointAtLines, pointAtRemark, pointAtVehicles, release, stay } from "./pointing";
 import { pricePoints } from "./price";
 import { Risk } from "./risk";
 import { Search } from "./search";
@@ -33,7 +34,13 @@ asking.follow();
 
 const points = computed(() => pricePoints(summaries.value, document.value?.revision ?? -1));
 
+/** Nothing is pointed at any more from a panel that is turned away from. */
+function useRelease(): void {
+  useEffect(() => release, []);
+}
+
 export function PlanRegion() {
+  useRelease();
   if (document.value === null) return <p class="p-block p-empty">{whyEmpty()}</p>;
   return (
     <>
@@ -139,6 +146,7 @@ function WhyPart() {
 }
 
 export function RiskRegion() {
+  useRelease();
   const plan = shown.value;
   return (
     <>

@@ -20,10 +20,15 @@ const PAN_SHARE = 0.1;
 
 let fitted: string | null = null;
 
+/** As it showed all last: one that is still so shows all of it in a map of another size, too. */
+let whole: Camera | null = null;
+
 export function resize(width: number, height: number): void {
   if (width < 2 || height < 2) return;
+  const isWhole = camera.peek() === whole;
   camera.value = camera.peek().resized(width, height);
-  settle();
+  if (isWhole) fitAll();
+  else settle();
 }
 
 export function pan(dx: number, dy: number): void {
@@ -49,6 +54,10 @@ export function zoom(factor: number, px?: number, py?: number): void {
 /** Show all of the scenario. */
 export function fit(): void {
   elsewhere.peek()?.fit();
+  fitAll();
+}
+
+function fitAll(): void {
   const extent = drawn.peek()?.extent;
   if (extent !== undefined) fitTo(extent);
 }
@@ -62,7 +71,8 @@ export function fitTo(box: Box): void {
   const scale = Math.min((width - 2 * margin) / dx, (height - 2 * margin) / dy);
   const x = (num(box.max, 0) + num(box.min, 0)) / 2;
   const y = (num(box.max, 1) + num(box.min, 1)) / 2;
-  camera.value = new Camera(x, y, scale, width, height);
+  whole = new Camera(x, y, scale, width, height);
+  camera.value = whole;
 }
 
 /** Bring a place into view without zooming, where it is not. */

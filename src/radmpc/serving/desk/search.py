@@ -13,6 +13,7 @@ from radmpc.serving.processes.crew import Crew
 from radmpc.serving.processes.worker import Worker
 from radmpc.serving.protocol import SearchState
 from radmpc.serving.views.numbers import significant
+from radmpc.serving.wording import for_page
 from radmpc.serving.work.asking import Asked, Ended
 
 __all__ = ["Search"]
@@ -165,12 +166,12 @@ class Search:
         plan = ended.plan
         if plan.cost is not None:
             self._cost = plan.cost
+            # Planners that tell of none on the way end with one all the same.
+            self._found = max(self._found, 1)
         bounds = [b for b in (plan.lower_bound, plan.certified_lower_bound) if b is not None]
         self._bound = max(bounds, default=self._bound)
         self._improved(self, plan, ended)
-        # A page has a button for it.
-        note = plan.status_sentence.replace(" (Ctrl-C)", "").replace("Ctrl-C", "Stop")
-        self._end(note)
+        self._end(for_page(plan.status_sentence))
 
     def _fail(self, error: CallError) -> None:
         """Take an end without an answer."""

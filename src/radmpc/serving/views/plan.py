@@ -23,6 +23,7 @@ from radmpc.serving.protocol import (
 from radmpc.serving.views.ellipses import ellipses_of
 from radmpc.serving.views.numbers import Rounding, extent_of, significant
 from radmpc.serving.views.scenario import scenario_view
+from radmpc.serving.wording import for_page
 
 __all__ = ["mean_path", "plan_summary", "plan_view"]
 
@@ -70,7 +71,7 @@ def plan_summary(plan: Plan, number: str, revision: int) -> PlanSummary:
         "holds": certified is not None and certified <= plan.risk.bound,
         "seconds": round(plan.seconds.get("total", 0.0), 3),
         "price": significant(plan.risk.price),
-        "explanation": plan.explanation,
+        "explanation": plan.explanation and for_page(plan.explanation),
     }
 
 
@@ -200,7 +201,7 @@ def _coupling(coupling: Coupling) -> CouplingView:
 
 def _report(plan: Plan) -> list[str]:
     """Return sentences about a plan: status, certificate, saturation, reasons."""
-    said = [plan.status_sentence]
+    said = [for_page(plan.status_sentence)]
     certified, saturation = plan.risk.certified, plan.risk.saturation
     if certified is not None:
         relation = "within" if certified <= plan.risk.bound else "above"
@@ -214,5 +215,5 @@ def _report(plan: Plan) -> list[str]:
         saved = 0.01 * plan.risk.bound * plan.risk.price
         said.append(f"1 % more of the risk bound would save about {saved:.2g} of the cost")
     if plan.explanation:
-        said.append(plan.explanation)
+        said.append(for_page(plan.explanation))
     return said

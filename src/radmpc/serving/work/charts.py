@@ -17,7 +17,7 @@ from radmpc.importing.formats import import_ground
 from radmpc.importing.geo.ground import Ground
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
-from radmpc.model.scenario import Scenario, Workspace
+from radmpc.model.scenario import Scenario
 from radmpc.serving.documents.templates import empty
 from radmpc.serving.protocol import Content
 from radmpc.serving.work.control import Control
@@ -113,10 +113,17 @@ def _entries(content: Content) -> list[object]:
 def _encoded(ground: Ground) -> dict[str, object]:
     """Return a ground as a document: somebody stands in for its vehicles."""
     named = {name for o in ground.obstacles if o.concerns for name in o.concerns.names}
-    start = decode_scenario(
-        {**empty(), "vehicles": [{"name": name, **_PLACE} for name in sorted(named) or ["-"]]}
-    )
     low, high = _box(ground)
+    # A chart that is added to a document may be far from the document's origin.
+    middle = (0.5 * (low + high)).tolist()
+    place = {"start": middle, "goal": {"center": middle}}
+    start = decode_scenario(
+        {
+            **empty(),
+            "workspace": {"min": low.tolist(), "max": high.tolist()},
+            "vehicles": [{"name": name, **place} for name in sorted(named) or ["-"]],
+        }
+    )
     return encode_scenario(
         Scenario(
             name="-",
@@ -124,13 +131,10 @@ def _encoded(ground: Ground) -> dict[str, object]:
             horizon=start.horizon,
             vehicles=start.vehicles,
             risk_bound=start.risk_bound,
-            workspace=Workspace(low, high),
+            workspace=start.workspace,
             obstacles=ground.obstacles,
         )
     )
-
-
-_PLACE = {"start": [0.0, 0.0], "goal": {"center": [0.0, 0.0]}}
 
 
 def _box(ground: Ground) -> tuple[Vector, Vector]:

@@ -10,6 +10,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.presets import DEFAULT
 from radmpc.preflight import outlook_of
 from radmpc.serving.protocol import Cure, Remark
+from radmpc.serving.wording import for_page
 from radmpc.serving.work.concerns import concern_remarks, horizon_cure, risk_bound_cure
 from radmpc.wording import names_of_choices
 
@@ -35,7 +36,7 @@ def remarks_of(plan: Plan) -> tuple[Remark, ...]:
     if plan.trajectories:
         return tuple(_spender(plan, row) for row in _worst(plan))
     scenario = plan.scenario
-    said = _explained(scenario, plan.explanation or plan.status_sentence)
+    said = _explained(scenario, for_page(plan.explanation or plan.status_sentence))
     told = " ".join(remark["text"] for remark in said)
     concerns = concern_remarks(outlook_of(scenario), encode_scenario(scenario))
     return (*said, *(one for one in concerns if one["text"] not in told))

@@ -6,6 +6,9 @@ import type { Frame, Layer } from "../frame";
 /** Least distance of numbered lines [px]. */
 const SPACING = 90;
 
+/** Left free between coordinates and the scale bar [px]. */
+const GAP = 14;
+
 const FONT = "10px ui-monospace, 'SF Mono', 'Cascadia Mono', 'DejaVu Sans Mono', monospace";
 
 /** A round number of meters that is at least so many pixels. */
@@ -83,9 +86,10 @@ export const drawRulers: Layer = (ctx, frame) => {
   ctx.lineWidth = 3;
   ctx.textAlign = "center";
   ctx.textBaseline = "alphabetic";
+  const end = startOfBar(ctx, camera) - GAP;
   for (let i = Math.ceil(left / step); i * step <= right; i += 1) {
     const px = camera.px(i * step);
-    if (px > 30 && px < camera.width - 150) label(ctx, (i * step).toFixed(digits), px, camera.height - 5);
+    if (px > 30 && px + ctx.measureText((i * step).toFixed(digits)).width / 2 < end) label(ctx, (i * step).toFixed(digits), px, camera.height - 5);
   }
   ctx.textAlign = "left";
   ctx.textBaseline = "middle";
@@ -96,8 +100,19 @@ export const drawRulers: Layer = (ctx, frame) => {
   drawScaleBar(ctx, frame);
 };
 
+/** Length of the scale bar [m]. */
+function barOf(camera: Camera): number {
+  return roundStep(camera.scale, 50);
+}
+
+/** Where the scale bar begins with its length [px]. */
+function startOfBar(ctx: CanvasRenderingContext2D, camera: Camera): number {
+  const length = barOf(camera);
+  return camera.width - 18 - length * camera.scale - ctx.measureText(lengthText(length)).width;
+}
+
 function drawScaleBar(ctx: CanvasRenderingContext2D, { camera, colors }: Frame): void {
-  const length = roundStep(camera.scale, 50);
+  const length = barOf(camera);
   const width = length * camera.scale;
   const right = camera.width - 12;
   const y = camera.height - 8.5;
