@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Mapping
-from html import escape
 from io import BytesIO
 
 from radmpc.errors import NoPlanError
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Coupling, Plan, Status
-from radmpc.notebook import html_table
+from radmpc.notebook import html_picture, html_table, lacking_signs
 from radmpc.planners.draft import Event, Step
 from radmpc.records import dataclass
 from radmpc.referee import Certificate
@@ -155,11 +153,10 @@ def _picture(plan: Plan) -> str:
     # matplotlib takes longer to load than many a plan to make.
     from radmpc.plotting import plot_plan  # noqa: PLC0415 - matplotlib loads slowly
 
-    axes = plot_plan(plan)
-    figure = axes.get_figure(root=True)
-    if figure is None:
-        return ""
     content = BytesIO()
-    figure.savefig(content, format="png", dpi=_DPI)
-    data = b64encode(content.getvalue()).decode("ascii")
-    return f'<img alt="{escape(plan.scenario.name)}" src="data:image/png;base64,{data}"/>'
+    with lacking_signs() as lacking:
+        figure = plot_plan(plan).get_figure(root=True)
+        if figure is None:
+            return ""
+        figure.savefig(content, format="png", dpi=_DPI)
+    return html_picture(content.getvalue(), "png", plan.scenario.name, lacking)
