@@ -161,6 +161,12 @@ def test_a_picture_in_a_notebook_tells_of_letters_that_the_font_lacks_in_one_lin
     assert result._repr_html_().endswith("/>")
 
 
+def test_a_fleet_that_stays_costs_nothing_and_not_what_rounding_leaves(result) -> None:
+    still = replace(result.plan, cost=4.163e-17, lower_bound=0.0)
+    assert "cost 0," in repr(still)
+    assert "0 (at least 0)" in repr(replace(result, record=still))
+
+
 def test_what_a_notebook_draws_hides_no_other_warning() -> None:
     with pytest.warns(UserWarning, match="the layout failed"), lacking_signs() as lacking:
         warnings.warn("the layout failed", UserWarning, stacklevel=1)
