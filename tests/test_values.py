@@ -8,6 +8,7 @@ import io
 import json
 import pickle
 import re
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -30,7 +31,7 @@ from radmpc import (
     to_xarray,
 )
 from radmpc.experiments.families import paper
-from radmpc.notebook import listed
+from radmpc.notebook import lacking_signs, listed
 
 HARBOR = "src/radmpc/data/harbor.yaml"
 
@@ -149,6 +150,27 @@ def test_a_result_shows_a_summary_and_a_picture_in_a_notebook(result) -> None:
     image = Image.open(io.BytesIO(base64.b64decode(data)))
     assert image.format == "PNG"
     assert image.width > 400
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_picture_in_a_notebook_tells_of_letters_that_the_font_lacks_in_one_line(result) -> None:
+    scenario = replace(result.plan.scenario, name="港の計画")
+    page = replace(result, record=replace(result.record, scenario=scenario))._repr_html_()
+    told = "the font has no sign for の, 港, 画, 計: boxes stand for them"
+    assert page.endswith(f"<p>{told}</p>")
+    assert result._repr_html_().endswith("/>")
+
+
+def test_a_fleet_that_stays_costs_nothing_and_not_what_rounding_leaves(result) -> None:
+    still = replace(result.plan, cost=4.163e-17, lower_bound=0.0)
+    assert "cost 0," in repr(still)
+    assert "0 (at least 0)" in repr(replace(result, record=still))
+
+
+def test_what_a_notebook_draws_hides_no_other_warning() -> None:
+    with pytest.warns(UserWarning, match="the layout failed"), lacking_signs() as lacking:
+        warnings.warn("the layout failed", UserWarning, stacklevel=1)
+    assert not lacking
 
 
 def test_scenario_certificate_and_simulation_show_their_facts_in_a_notebook(result) -> None:

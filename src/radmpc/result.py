@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Mapping
-from html import escape
 from io import BytesIO
 
 from radmpc.errors import NoPlanError
-from radmpc.model.ledger import bound_text
+from radmpc.model.ledger import bound_texts
 from radmpc.model.plan import Coupling, Plan, Status
-from radmpc.notebook import html_table
+from radmpc.notebook import html_picture, html_table, lacking_signs
 from radmpc.planners.draft import Event, Step
 from radmpc.records import dataclass
 from radmpc.referee import Certificate
+from radmpc.wording import short_cost
 
 __all__ = ["Result"]
 
@@ -134,14 +133,15 @@ def _facts(result: Result) -> list[tuple[str, str]]:
     record = result.record
     ended = f" ({record.stopped_by})" if record.stopped_by and result.plan else ""
     facts = [("scenario", record.scenario.name), ("status", record.status.value + ended)]
-    if result.plan is None:
+    if result.plan is None or result.cost is None:
         return [*facts, ("why", result.explanation or record.status_sentence)]
-    bound = "no lower bound" if result.lower_bound is None else f"at least {result.lower_bound:.6g}"
-    facts.append(("cost", f"{result.cost:.6g} ({bound})"))
+    least = result.lower_bound
+    bound = "no lower bound" if least is None else f"at least {short_cost(least)}"
+    facts.append(("cost", f"{short_cost(result.cost)} ({bound})"))
     if result.certificate is not None:
         sign = "within" if result.certificate.holds else "NOT within"
-        risk = f"at most {bound_text(result.certificate.certified)}"
-        facts.append(("risk", f"{risk}, {sign} {record.scenario.risk_bound:g}"))
+        risk, bound = bound_texts(result.certificate.certified, record.scenario.risk_bound)
+        facts.append(("risk", f"at most {risk}, {sign} {bound}"))
     groups = sorted(result.sets, key=len, reverse=True)
     shown = ", ".join("{" + ", ".join(group) + "}" for group in groups[:_MOST_SETS])
     more = f" and {len(groups) - _MOST_SETS} more" if len(groups) > _MOST_SETS else ""
@@ -155,11 +155,10 @@ def _picture(plan: Plan) -> str:
     # matplotlib takes longer to load than many a plan to make.
     from radmpc.plotting import plot_plan  # noqa: PLC0415 - matplotlib loads slowly
 
-    axes = plot_plan(plan)
-    figure = axes.get_figure(root=True)
-    if figure is None:
-        return ""
     content = BytesIO()
-    figure.savefig(content, format="png", dpi=_DPI)
-    data = b64encode(content.getvalue()).decode("ascii")
-    return f'<img alt="{escape(plan.scenario.name)}" src="data:image/png;base64,{data}"/>'
+    with lacking_signs() as lacking:
+        figure = plot_plan(plan).get_figure(root=True)
+        if figure is None:
+            return ""
+        figure.savefig(content, format="png", dpi=_DPI)
+    return html_picture(content.getvalue(), "png", plan.scenario.name, lacking)

@@ -18,6 +18,7 @@ __all__ = [
     "one",
     "percent",
     "place_text",
+    "short_cost",
     "value_text",
     "with_options",
 ]
@@ -26,7 +27,7 @@ _LONGEST = 60
 """Letters of a value that a message shows; longer ones are shortened."""
 
 _ROUNDING = 1e-9
-"""Share below which two costs, or places, differ by rounding alone [-]."""
+"""Share below which two costs, or places, differ by rounding alone, and cost that is none [-]."""
 
 _REPR = reprlib.Repr()
 _REPR.maxstring = _REPR.maxother = _REPR.maxlong = _LONGEST
@@ -54,6 +55,19 @@ def one(kind: type) -> str:
 def percent(share: float) -> str:
     """Return what a cost could fall by as a percentage of two digits: ``3.4 %``."""
     return f"{100.0 * share if share > _ROUNDING else 0.0:.2g} %"
+
+
+def short_cost(cost: float, digits: int = 6) -> str:
+    """Return a cost, and 0 for what is rounding: fleets that stay cost no effort.
+
+    Parameters
+    ----------
+    cost : float
+        Of a plan, >= 0.
+    digits : int
+        Significant ones.
+    """
+    return f"{cost if abs(cost) > _ROUNDING else 0.0:.{digits}g}"
 
 
 def place_text(position: Sequence[float]) -> str:

@@ -2,9 +2,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
-from radmpc.model.ledger import bound_text, hazards, risk_by_vehicle
+from radmpc.model.ledger import bound_text, bound_texts, hazards, risk_by_vehicle
 from radmpc.model.plan import LedgerRow
 
 ROWS = (
@@ -49,7 +50,43 @@ def test_what_is_far_away_is_borne_by_the_one_it_is_charged_with() -> None:
 
 @pytest.mark.parametrize(
     ("certified", "text"),
-    [(0.0125, "0.0125"), (1.0, "1"), (1.00003, "1"), (4.0, "1 (the bounds sum to 4)")],
+    [
+        (0.0125, "0.0125"),
+        (1.0, "1"),
+        (1.00003, "1"),
+        (4.0, "1 (the bounds sum to 4)"),
+        (0.0, "0"),
+        (1e-300, "1e-300"),
+        (0.049941, "0.04995"),
+    ],
 )
 def test_a_probability_is_never_said_to_exceed_one(certified: float, text: str) -> None:
     assert bound_text(certified) == text
+
+
+@pytest.mark.parametrize(
+    ("certified", "bound", "texts"),
+    [
+        (0.04995, 0.05, ("0.04995", "0.05")),
+        (0.05, 0.05, ("0.05", "0.05")),
+        (0.05 + 1e-12, 0.05, ("0.05001", "0.05")),
+        (0.03123454, 0.03123456, ("0.0312346", "0.0312346")),
+        (0.03123457, 0.03123456, ("0.03124", "0.0312346")),
+        (0.031234561, 0.03123456, ("0.03124", "0.0312346")),
+        (4.0, 0.05, ("1 (the bounds sum to 4)", "0.05")),
+        (5e-301, 1e-300, ("5e-301", "1e-300")),
+    ],
+)
+def test_a_certificate_is_told_on_the_side_of_the_bound_that_it_is_on(
+    certified: float, bound: float, texts: tuple[str, str]
+) -> None:
+    assert bound_texts(certified, bound) == texts
+
+
+def test_no_certificate_is_told_on_the_wrong_side_of_its_bound() -> None:
+    rng = np.random.default_rng(0)
+    for bound in rng.uniform(0.0, 0.5, 200).tolist():
+        for near in bound * (1.0 + 10.0 ** rng.uniform(-16.0, -1.0, 4) * rng.choice([-1, 1], 4)):
+            told, limit = map(float, bound_texts(float(near), bound))
+            assert (told <= limit) == (near <= bound)
+            assert told >= near

@@ -262,3 +262,14 @@ def test_an_interrupted_film_leaves_the_old_file_and_nothing_else(
         save_animation(replace(flat_plan), path, frames_per_step=1)
     assert path.read_bytes() == b"old"
     assert os.listdir(tmp_path) == ["bay.gif"]
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_notebook_tells_of_letters_that_the_font_lacks_below_a_film_in_one_line(
+    flat_plan: Plan,
+) -> None:
+    foreign = replace(flat_plan, scenario=replace(flat_plan.scenario, name="港の<i>"))
+    page = animate_plan(foreign, frames_per_step=1)._repr_html_()
+    told = "the font has no sign for の, 港: boxes stand for them"
+    assert page.endswith(f"<p>{told}</p>")
+    assert animate_plan(flat_plan, frames_per_step=1)._repr_html_().endswith("/>")

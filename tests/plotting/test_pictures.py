@@ -124,6 +124,19 @@ def test_the_title_gives_cost_risk_seconds_and_planner(flat_plan: Plan) -> None:
     assert ax.get_title(loc="left").strip() == "bay"
 
 
+def test_numbers_above_a_picture_are_no_other_than_the_verdict(flat_plan: Plan) -> None:
+    def above(plan: Plan) -> dict[str, str]:
+        return {text.get_gid(): text.get_text() for text in plot_plan(plan).texts}
+
+    still = replace(flat_plan, cost=4.163e-17, risk=Risk(0.05, 0.04995))
+    assert above(still)["facts"].startswith("cost 0 · risk 0.04995 ≤ 0.05 ·")
+    over = above(replace(flat_plan, risk=Risk(0.05, 0.0500001)))
+    assert "risk 0.05001 > 0.05 ·" in over["facts"]
+    assert " ".join(over["alert"].split()) == "certificate 0.05001 exceeds the risk bound 0.05"
+    least = above(replace(flat_plan, risk=Risk(1e-300, 1e-301)))
+    assert "risk 1e-301 ≤ 1e-300 ·" in least["facts"]
+
+
 def test_a_long_planner_name_gets_a_line_of_its_own(flat_plan: Plan) -> None:
     long = "optimal, branch, " + "x" * 60
     ax = plot_plan(replace(flat_plan, planner=long))

@@ -25,7 +25,8 @@ from radmpc.plotting import (
     plot_scenario,
     plot_views,
 )
-from radmpc.plotting.artists.ghosts import nearest_ghosts
+from radmpc.plotting.artists import ghosts
+from radmpc.plotting.artists.ghosts import Ghost, nearest_ghosts
 from radmpc.plotting.canvas.figure import drawn_box
 
 from .conftest import HORIZON, make_vehicle
@@ -128,14 +129,29 @@ def test_what_ticks_far_from_the_origin_have_in_common_is_as_large_as_they(
 
 def test_a_moving_obstacle_is_drawn_where_who_crosses_is_nearest(crossed_plan: Plan) -> None:
     ax = plot_plan(crossed_plan)
-    ghosts = nearest_ghosts(crossed_plan)
-    assert [(ghost.index, ghost.step) for ghost in ghosts] == [(0, 2), (1, 1)]
+    found = nearest_ghosts(crossed_plan)
+    assert [(ghost.index, ghost.step) for ghost in found] == [(0, 2), (1, 1)]
     [outline], [hull] = artists(ax, "ghost:ferry:a"), artists(ax, "near:ferry:a")
     assert outline.get_xy().min(axis=0) == pytest.approx([-1.0, 4.5])
     assert hull.center == pytest.approx(tuple(crossed_plan.trajectories[0].means[2, :2]))
     assert [text.get_text() for text in artists(ax, "ghost-step:ferry:a")] == ["step 2"]
     names = [text.get_text() for text in ax.get_legend().get_texts()]
     assert "when nearest" in names
+
+
+def test_ghosts_of_one_obstacle_at_one_step_leave_each_other_gaps(
+    crossed_plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    [ferry] = crossed_plan.scenario.obstacles
+    at = [(0, 2), (1, 2), (2, 1)]
+    nearest = tuple(Ghost(ferry, i, step, 1.0) for i, step in at)
+    monkeypatch.setattr(ghosts, "nearest_ghosts", lambda _: nearest)
+    ax = plot_plan(crossed_plan)
+    a, b, c = (artists(ax, f"ghost:ferry:{name}")[0] for name in "abc")
+    assert not any(outline.get_fill() for outline in (a, b, c))
+    (begin, (dash, gap)), (other, _) = a.get_linestyle(), b.get_linestyle()
+    assert (begin, other, dash) == (0.0, dash, gap)
+    assert c.get_linestyle() == "solid"
 
 
 def test_where_nobody_crosses_the_nearest_alone_gets_a_ghost(flat_plan: Plan) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import radmpc
-from radmpc.errors import ArgumentError, NoPlanError, ScenarioError
+from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, ScenarioError
 from radmpc.model.plan import Plan
 from radmpc.model.visits import steps_visited
 from running import first_plan
@@ -158,6 +158,9 @@ def test_what_cannot_be_thinned_is_refused(plan: Plan) -> None:
     for tolerance in (0.0, -1.0, np.inf, np.nan):
         with pytest.raises(ArgumentError, match="tolerance must be a number > 0 m"):
             radmpc.thin(plan, tolerance)
+    for wrong in ({"tolerance": "0.1"}, {"tolerance": 0.1, "rounding": None}):
+        with pytest.raises(ArgumentTypeError, match="must be a number"):
+            radmpc.thin(plan, **wrong)
     with pytest.raises(ScenarioError, match="risk_bound"):
         radmpc.thin(plan, 0.1, risk_bound=0.7)
     with pytest.raises(ArgumentError, match="rounding must be"):

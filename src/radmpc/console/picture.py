@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,6 +10,7 @@ from pathlib import Path
 from radmpc.console.files import check_output, writing
 from radmpc.console.output import note
 from radmpc.model.plan import Plan
+from radmpc.notebook import lacking_signs, signs_text
 
 __all__ = [
     "check_film",
@@ -20,9 +20,6 @@ __all__ = [
     "write_ledger",
     "write_picture",
 ]
-
-_GLYPH = re.compile(r"Glyph (\d+) .*missing from")
-"""How matplotlib says that a font lacks a letter, by its number in Unicode."""
 
 
 @contextmanager
@@ -38,15 +35,12 @@ def drawing(path: Path) -> Iterator[None]:
     """
     with writing(path), warnings.catch_warnings(record=True) as caught:
         warnings.filterwarnings("always", category=UserWarning)
-        yield
-    told = list(dict.fromkeys(str(one.message) for one in caught))
-    lacking = {chr(int(found[1])) for text in told if (found := _GLYPH.match(text))}
+        with lacking_signs() as lacking:
+            yield
     if lacking:
-        letters = ", ".join(sorted(lacking))
-        note(f"{path}: the font has no sign for {letters}: boxes stand for them")
-    for text in told:
-        if not _GLYPH.match(text):
-            note(f"{path}: {text}")
+        note(f"{path}: {signs_text(lacking)}")
+    for text in dict.fromkeys(str(one.message) for one in caught):
+        note(f"{path}: {text}")
 
 
 def check_film(path: Path | None) -> None:

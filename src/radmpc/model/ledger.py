@@ -9,6 +9,7 @@ from typing import Literal
 from radmpc.arguments import field_number, field_parts, one, value_text
 from radmpc.errors import ScenarioError
 from radmpc.records import dataclass
+from radmpc.rounding import rounded_up
 
 __all__ = [
     "CAUSES",
@@ -17,6 +18,7 @@ __all__ = [
     "LedgerRow",
     "Risk",
     "bound_text",
+    "bound_texts",
     "hazards",
     "put_numbers",
     "put_parts",
@@ -26,6 +28,9 @@ __all__ = [
 Cause = Literal["obstacle", "pair", "workspace", "range"]
 
 CAUSES: tuple[Cause, ...] = ("pair", "obstacle", "workspace", "range")
+
+_DIGITS = 4
+"""Significant digits of a certificate for people, at least."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,5 +256,33 @@ def bound_text(certified: float) -> str:
     str
         To be read after "at most".
     """
-    total = f"{certified:.4g}"
-    return total if float(total) <= 1.0 else f"1 (the bounds sum to {total})"
+    return _bound_text(certified, _DIGITS)
+
+
+def bound_texts(certified: float, bound: float) -> tuple[str, str]:
+    """Return a certificate and the risk bound with digits that tell which of the two is larger.
+
+    Parameters
+    ----------
+    certified : float
+        Upper bound on a probability, a sum.
+    bound : float
+        Risk bound Δ that it is compared with.
+
+    Returns
+    -------
+    tuple of str
+        As of `bound_text`, and the risk bound.
+    """
+    digits, limit = _DIGITS, f"{bound:g}"
+    while (rounded_up(certified, digits) <= float(limit)) != (certified <= bound):
+        digits += 1
+        limit = f"{bound:.{max(digits, 6)}g}"
+    return _bound_text(certified, digits), limit
+
+
+def _bound_text(certified: float, digits: int) -> str:
+    """Return a certificate with so many digits, never less than it is."""
+    if float(f"{certified:.{_DIGITS}g}") > 1.0:
+        return f"1 (the bounds sum to {rounded_up(certified, _DIGITS):.{_DIGITS}g})"
+    return f"{rounded_up(min(certified, 1.0), digits):.{digits}g}"

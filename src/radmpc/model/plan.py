@@ -11,12 +11,12 @@ import numpy.typing as npt
 from radmpc.arguments import field_integer, field_number, field_parts, field_text, one, value_text
 from radmpc.arrays import Frozen, Matrix, Tensor, as_array, as_matrix
 from radmpc.errors import ScenarioError
-from radmpc.model.ledger import Cause, LedgerRow, Risk, put_numbers, put_parts
+from radmpc.model.ledger import Cause, LedgerRow, Risk, bound_texts, put_numbers, put_parts
 from radmpc.model.relations.couplings import Coupling, Reason
 from radmpc.model.scenario import Scenario
 from radmpc.notebook import html_table, listed
 from radmpc.records import FrozenDict, dataclass, field
-from radmpc.wording import percent
+from radmpc.wording import percent, short_cost
 
 __all__ = [
     "Cause",
@@ -279,7 +279,7 @@ class Plan:
 
     def __repr__(self) -> str:
         """Return the plan in one line."""
-        cost = "no plan" if self.cost is None else f"cost {self.cost:.6g}"
+        cost = "no plan" if self.cost is None else f"cost {short_cost(self.cost)}"
         return f"Plan({self.scenario.name!r}, {self.status.value}, {cost}, {self.planner})"
 
     def _repr_html_(self) -> str:
@@ -288,8 +288,9 @@ class Plan:
         facts.append(("status", self.status_sentence))
         if self.cost is None:
             return html_table([*facts, ("why", self.explanation or "not told")])
-        facts.append(("cost", f"{self.cost:.6g}"))
+        facts.append(("cost", short_cost(self.cost)))
         if self.risk.certified is not None:
-            facts.append(("risk", f"at most {self.risk.certified:.3g} of {self.risk.bound:g}"))
+            certified, bound = bound_texts(self.risk.certified, self.risk.bound)
+            facts.append(("risk", f"at most {certified} of {bound}"))
         facts.append(("planned together", listed(["{" + ", ".join(g) + "}" for g in self.sets])))
         return html_table(facts)

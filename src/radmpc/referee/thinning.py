@@ -9,7 +9,7 @@ import numpy as np
 
 from radmpc.arguments import is_number, value_text
 from radmpc.arrays import Matrix, Vector
-from radmpc.errors import ArgumentError, NoPlanError, ScenarioError
+from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, ScenarioError
 from radmpc.model.given import check_plan
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
@@ -104,6 +104,8 @@ def thin(
         If the plan has no trajectories.
     ArgumentError
         If the tolerance is not > 0, or the rounding is below 0.
+    ArgumentTypeError
+        If an argument is of another kind.
     ScenarioError
         If there is no such risk bound.
 
@@ -119,7 +121,8 @@ def thin(
     for name, value, least in (("tolerance", tolerance, 0.0), ("rounding", rounding, -1e-300)):
         if not is_number(value) or not least < value < np.inf:
             sign = ">" if name == "tolerance" else ">="
-            raise ArgumentError(f"{name} must be a number {sign} 0 m, got {value_text(value)}")
+            error = ArgumentError if is_number(value) else ArgumentTypeError
+            raise error(f"{name} must be a number {sign} 0 m, got {value_text(value)}")
     if not plan.trajectories:
         raise NoPlanError("nothing to thin: the plan has no trajectories")
     if risk_bound is not None:

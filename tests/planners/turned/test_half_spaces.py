@@ -226,6 +226,18 @@ def test_what_a_price_of_risk_gives_up_is_no_less_than_the_risk() -> None:
     assert sum(float(np.abs(u).sum()) for u in dearer.controls) > cost
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("price", [1e305, float("inf")])
+def test_a_price_of_risk_beyond_all_numbers_leaves_costs_that_are_numbers(price) -> None:
+    deviations, latest = np.full((1, 2), 1e-6), np.array([[9.0, 3.0]])
+    margins = priced_margins(deviations, latest, (price, 1e4), 0.05)
+    assert np.isfinite(margins.penalty)
+    assert np.all(np.isfinite(margins.prices))
+    # What runs more risk per meter still costs more.
+    assert np.all(np.diff(margins.prices[0, 0, :15]) >= 0.0)
+    assert margins.prices.max() > 1e90
+
+
 def test_past_an_edge_in_space_no_random_direction_leaves_a_path_more_room() -> None:
     rng = np.random.default_rng(0)
     scenario, _, _ = scene(3, "steps", rng)

@@ -20,7 +20,7 @@ from radmpc.io.export.exporting import (
 )
 from radmpc.io.export.origin import parse_origin
 from radmpc.io.text.files import one_line
-from radmpc.model.ledger import bound_text
+from radmpc.model.ledger import bound_texts
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass
 from radmpc.referee import Certificate, Thinned, certify, thin
@@ -162,7 +162,5 @@ def _doubts(certificate: Certificate) -> str:
         return ""
     if certificate.problems:
         return f"the plan does not hold: {first_of(certificate.problems)}"
-    return (
-        f"the plan is not certified within its risk bound {certificate.bound:g}: "
-        f"at most {bound_text(certificate.certified)}"
-    )
+    risk, bound = bound_texts(certificate.certified, certificate.bound)
+    return f"the plan is not certified within its risk bound {bound}: at most {risk}"

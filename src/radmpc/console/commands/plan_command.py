@@ -23,7 +23,7 @@ from radmpc.console.running.workers import workers
 from radmpc.errors import RadmpcError, ScenarioError
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.native.plan_file import encode_plan, load_plan, save_plan
-from radmpc.model.ledger import bound_text
+from radmpc.model.ledger import bound_texts
 from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
@@ -231,7 +231,8 @@ def _conclude(result: Result, was_interrupted: bool, is_reported: bool) -> Code:
         certified, bound = record.risk.certified, record.risk.bound
         problems = () if result.certificate is None else result.certificate.problems
         if certified is not None and certified > bound:
-            note(f"the certificate {bound_text(certified)} exceeds the risk bound {bound:g}")
+            risk, limit = bound_texts(certified, bound)
+            note(f"the certificate {risk} exceeds the risk bound {limit}")
         else:
             note(f"the plan is not certified: {'; '.join(problems) or 'no certificate'}")
         return Code.NO

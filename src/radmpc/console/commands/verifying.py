@@ -16,7 +16,7 @@ from radmpc.console.running.guard import Code
 from radmpc.console.words import first_of, scenario_line
 from radmpc.errors import ScenarioError
 from radmpc.io.flight.flight_file import is_flight
-from radmpc.model.ledger import bound_text
+from radmpc.model.ledger import bound_text, bound_texts
 from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Avoidance, Scenario
 from radmpc.records import asdict, dataclass, replace
@@ -122,8 +122,8 @@ def _doubts(verification: Verification) -> str:
     if verification.problems:
         told = first_of(verification.problems)
         return told if told.startswith("no plan") else f"the plan does not hold: {told}"
-    certified, bound = verification.certified or 0.0, verification.bound
-    return f"the certificate {bound_text(certified)} exceeds the risk bound {bound:g}"
+    certified, bound = bound_texts(verification.certified or 0.0, verification.bound)
+    return f"the certificate {certified} exceeds the risk bound {bound}"
 
 
 def _verify_flight(path: Path, where: Avoidance | None, *, as_json: bool) -> int:

@@ -13,6 +13,7 @@ from rich.text import Text
 from radmpc.experiments.comparing import Comparison
 from radmpc.planners.wording import rounded
 from radmpc.result import Result
+from radmpc.wording import short_cost
 
 __all__ = ["comparison_line", "comparison_table", "rate_text"]
 
@@ -109,7 +110,7 @@ def _cells(one: Comparison, least: float | None) -> list[Text | str]:
     above = _NONE if not least else f"{100.0 * (result.cost / least - 1.0):+.2f} %"
     return [
         status,
-        f"{result.cost:.4g}",
+        short_cost(result.cost, 4),
         above,
         risk,
         _NONE if flown is None else rate_text(flown.rate, flown.rate_low, flown.rate_high),

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.text import Text
 
-from radmpc.wording import percent
+from radmpc.wording import percent, short_cost
 
 __all__ = ["ProgressCallback", "ProgressLine", "progress_line", "progress_text"]
 
@@ -76,7 +76,7 @@ class ProgressLine:
         from radmpc.solvers.solution import relative_gap  # noqa: PLC0415 - verifying needs none
 
         gap = "" if bound is None else f", gap {percent(relative_gap(cost, bound))}"
-        self._best = f"best cost {cost:.6g}{gap}"
+        self._best = f"best cost {short_cost(cost)}{gap}"
 
     def keep(self, text: Text) -> None:
         """Write what is done above the line, to stay; nothing where no line is drawn.

@@ -8,7 +8,7 @@ from radmpc.model.limits import tight_limits
 from radmpc.model.plan import Coupling, Plan, Status
 from radmpc.model.relations.couplings import unexplained_sets
 from radmpc.model.scenario import Scenario
-from radmpc.wording import count_text, names_of_choices, percent
+from radmpc.wording import count_text, names_of_choices, percent, short_cost
 
 __all__ = [
     "advice_text",
@@ -145,20 +145,21 @@ def cost_text(plan: Plan) -> str:
     cost, bound, gap = plan.cost, plan.lower_bound, plan.certified_gap
     if cost is None:
         return "none"
-    if gap is not None:
-        on_any = f"{plan.certified_lower_bound:.6g} for any certified plan, gap {percent(gap)}"
+    least = plan.certified_lower_bound
+    if least is not None and gap is not None:
+        on_any = f"{short_cost(least)} for any certified plan, gap {percent(gap)}"
         if bound is None:
-            return f"{cost:.6g} (lower bound {on_any})"
-        by_faces = f"{bound:.6g} for plans by faces, gap {percent(_gap(cost, bound))}"
-        return f"{cost:.6g} (lower bounds: {on_any}; {by_faces})"
+            return f"{short_cost(cost)} (lower bound {on_any})"
+        by_faces = f"{short_cost(bound)} for plans by faces, gap {percent(_gap(cost, bound))}"
+        return f"{short_cost(cost)} (lower bounds: {on_any}; {by_faces})"
     if bound is None:
-        return f"{cost:.6g} (no lower bound)"
+        return f"{short_cost(cost)} (no lower bound)"
     if cost < bound - _ROUNDING * abs(bound):
         return (
-            f"{cost:.6g} (below {bound:.6g}, the least of plans whose union bound is within the "
-            "risk bound: the certificate, which is tighter, lets this one use more)"
+            f"{short_cost(cost)} (below {short_cost(bound)}, the least of plans whose union bound "
+            "is within the risk bound: the certificate, which is tighter, lets this one use more)"
         )
-    return f"{cost:.6g} (lower bound {bound:.6g}, gap {percent(_gap(cost, bound))})"
+    return f"{short_cost(cost)} (lower bound {short_cost(bound)}, gap {percent(_gap(cost, bound))})"
 
 
 def _gap(cost: float, bound: float) -> float:

@@ -20,9 +20,9 @@ from radmpc.console.reports.reasons import (
 from radmpc.console.reports.saturating import saturation_line, saturation_warning
 from radmpc.console.reports.visiting import arrivals_text, visits_text
 from radmpc.console.words import scenario_line
-from radmpc.model.ledger import CAUSES, bound_text, risk_by_vehicle
+from radmpc.model.ledger import CAUSES, bound_texts, risk_by_vehicle
 from radmpc.model.plan import LedgerRow, Plan
-from radmpc.wording import count_text
+from radmpc.wording import count_text, short_cost
 
 __all__ = ["facts", "ledger_table", "plan_report", "vehicle_table", "verdict"]
 
@@ -133,11 +133,11 @@ def verdict(certified: float | None, bound: float) -> Text:
     """
     if certified is None:
         return Text("none", style="red")
+    risk, limit = bound_texts(certified, bound)
     if certified <= bound:
-        return Text(f"risk at most {certified:.4g}, within the bound {bound:g}", style="green")
+        return Text(f"risk at most {risk}, within the bound {limit}", style="green")
     return Text(
-        f"risk at most {bound_text(certified)}, which EXCEEDS the bound {bound:g}: "
-        "do not use this plan",
+        f"risk at most {risk}, which EXCEEDS the bound {limit}: do not use this plan",
         style="bold red",
     )
 
@@ -209,7 +209,9 @@ def _first(plan: Plan) -> dict[str, Text | str]:
     """Return when the first certified plan was there, if it is known."""
     if plan.first is None:
         return {}
-    return {"first plan": f"after {plan.first.seconds:.2f} s, at cost {plan.first.cost:.6g}"}
+    return {
+        "first plan": f"after {plan.first.seconds:.2f} s, at cost {short_cost(plan.first.cost)}"
+    }
 
 
 def _seconds(seconds: Mapping[str, float]) -> str:

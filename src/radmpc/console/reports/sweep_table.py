@@ -9,7 +9,7 @@ from rich.text import Text
 
 from radmpc.experiments.sweep_table import SweepRow
 from radmpc.solvers.solution import relative_gap
-from radmpc.wording import percent
+from radmpc.wording import percent, short_cost
 
 __all__ = ["sweep_report"]
 
@@ -50,7 +50,7 @@ def _cells(row: SweepRow) -> list[Text | str]:
     if row.lower_bound is not None:
         gap = percent(relative_gap(row.cost, row.lower_bound))
     certified = _NONE if row.certified is None else f"{min(row.certified, 1.0):.4g}"
-    return [row.status, f"{row.cost:.5g}", gap, Text(certified, style=style), seconds]
+    return [row.status, short_cost(row.cost, 5), gap, Text(certified, style=style), seconds]
 
 
 def _place(axes: Sequence[str], row: SweepRow) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.io.export.origin import Placement
 from radmpc.io.text.files import one_line
-from radmpc.model.ledger import bound_text
+from radmpc.model.ledger import bound_texts
 from radmpc.model.plan import Plan
 
 __all__ = ["height_sentence", "origin_sentence", "risk_sentence", "timing_sentence", "title"]
@@ -42,12 +42,11 @@ def risk_sentence(plan: Plan, is_certified: bool) -> str:
     is_certified : bool
         Whether the certificate is within the risk bound.
     """
-    bound = plan.scenario.risk_bound
     if not is_certified or plan.risk.certified is None:
-        return f"NOT certified within its risk bound {bound:g}"
+        return f"NOT certified within its risk bound {plan.scenario.risk_bound:g}"
+    risk, bound = bound_texts(plan.risk.certified, plan.scenario.risk_bound)
     return (
-        f"risk of any collision, whole fleet and whole mission: at most "
-        f"{bound_text(plan.risk.certified)}, risk bound {bound:g}"
+        f"risk of any collision, whole fleet and whole mission: at most {risk}, risk bound {bound}"
     )
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Literal
+
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
@@ -26,6 +29,12 @@ __all__ = ["Ghost", "draw_ghosts", "nearest_ghosts"]
 
 _MOST_PER_OBSTACLE = 3
 """Ghosts of one obstacle: more would hide each other."""
+
+_DASH = 4.0
+"""Length of dashes of ghosts at one step [line widths]."""
+
+Dashes = Literal["solid"] | tuple[float, tuple[float, float]]
+"""A line's style, as matplotlib takes it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,13 +103,15 @@ def draw_ghosts(ax: Axes, plan: Plan, board: Board, colors: dict[str, Color], pl
     plane : (int, int)
         The two coordinates that are drawn.
     """
-    for ghost in nearest_ghosts(plan):
+    ghosts = nearest_ghosts(plan)
+    for number, ghost in enumerate(ghosts):
+        dashes = _dashes(ghosts, number)
         vehicle = plan.scenario.vehicles[ghost.index]
         color = colors[vehicle.name]
         place = positions(vehicle, plan.trajectories[ghost.index])[ghost.step]
         name, text = f"{ghost.obstacle.name}:{vehicle.name}", f"step {ghost.step}"
         if isinstance(board, SpaceBoard):
-            top = _draw_solid(ax, ghost, color, f"ghost:{name}")
+            top = _draw_solid(ax, ghost, color, dashes, f"ghost:{name}")
             ax.plot(
                 *place[:, None], linestyle="none", marker="o", markersize=6.0, color=color,
                 markerfacecolor=(*color, 0.3), markeredgewidth=0.8, zorder=52, gid=f"near:{name}",
@@ -113,7 +124,7 @@ def draw_ghosts(ax: Axes, plan: Plan, board: Board, colors: dict[str, Color], pl
             linewidth=0.9, zorder=5.2, gid=f"near:{name}",
         )  # fmt: skip
         ax.add_patch(hull)
-        corners = _draw_outline(ax, ghost, color, plane, f"ghost:{name}")
+        corners = _draw_outline(ax, ghost, color, dashes, plane, f"ghost:{name}")
         board.avoid(along_lines(np.vstack([corners, corners[:1]])))
         middle, half = 0.5 * (corners.max(0) + corners.min(0)), 0.5 * np.ptp(corners, axis=0)
         board.beside(text, middle, half, color, size=NUMBER_SIZE, gid=f"ghost-step:{name}")
@@ -126,24 +137,43 @@ def _ghost(plan: Plan, index: int, obstacle: Obstacle) -> Ghost:
     return Ghost(obstacle, index, step, float(distances[step]))
 
 
-def _draw_outline(ax: Axes, ghost: Ghost, color: Color, plane: Plane, gid: str) -> Matrix:
+def _dashes(ghosts: Sequence[Ghost], number: int) -> Dashes:
+    """Return the line that shows a ghost beside those of the same obstacle at the same step.
+
+    Each has dashes where the others have gaps: one would cover the others.
+    """
+    one = ghosts[number]
+    same = [i for i, g in enumerate(ghosts) if g.obstacle is one.obstacle and g.step == one.step]
+    if len(same) == 1:
+        return "solid"
+    offset = _DASH * ((len(same) - same.index(number)) % len(same))
+    return offset, (_DASH, _DASH * (len(same) - 1))
+
+
+def _draw_outline(
+    ax: Axes, ghost: Ghost, color: Color, dashes: Dashes, plane: Plane, gid: str
+) -> Matrix:
     """Draw an obstacle in the plane; return its corners, (c, 2) [m]."""
     outline = shapely.union_all([seen(p, plane) for p in ghost.obstacle.at(ghost.step)])
     if outline.area == 0.0:
         corners = np.asarray(shapely.get_coordinates(outline))
         ax.plot(
-            *corners.T, color=color, linewidth=WALL_WIDTH, marker="o", markersize=WALL_WIDTH,
-            markeredgewidth=0.0, zorder=2.45, gid=gid,
+            *corners.T, color=color, linewidth=WALL_WIDTH, linestyle=dashes, marker="o",
+            markersize=WALL_WIDTH, markeredgewidth=0.0, zorder=2.45, gid=gid,
         )  # fmt: skip
         return corners
     ring = ring_of(outline)
+    # Below all outlines, of which one would else be hidden by the next one's area.
+    ax.add_patch(Polygon(ring, facecolor=OBSTACLE_FILL, edgecolor="none", zorder=2.44))
     ax.add_patch(
-        Polygon(ring, facecolor=OBSTACLE_FILL, edgecolor=color, linewidth=0.9, zorder=2.45, gid=gid)
+        Polygon(
+            ring, fill=False, edgecolor=color, linewidth=0.9, linestyle=dashes, zorder=2.45, gid=gid
+        )
     )
     return ring
 
 
-def _draw_solid(ax: Axes3D, ghost: Ghost, color: Color, gid: str) -> Vector:
+def _draw_solid(ax: Axes3D, ghost: Ghost, color: Color, dashes: Dashes, gid: str) -> Vector:
     """Draw an obstacle in space; return its highest corner, (3,) [m]."""
     for piece in ghost.obstacle.at(ghost.step):
         triangles = surface(piece.vertices)
@@ -153,6 +183,8 @@ def _draw_solid(ax: Axes3D, ghost: Ghost, color: Color, gid: str) -> Vector:
             )
         edges = piece.vertices[facets(piece.vertices).edges]
         width = 0.9 if len(triangles) > 0 else WALL_WIDTH
-        ax.add_collection3d(Line3DCollection(edges, colors=[color], linewidths=width, gid=gid))
+        ax.add_collection3d(
+            Line3DCollection(edges, colors=[color], linewidths=width, linestyles=[dashes], gid=gid)
+        )
     corners = np.vstack([piece.vertices for piece in ghost.obstacle.at(ghost.step)])
     return np.asarray(corners[corners[:, 2].argmax()])

@@ -8,10 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.transforms import ScaledTranslation
 
-from radmpc.model.ledger import bound_text
+from radmpc.model.ledger import bound_texts
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.headline import figure_headline, write_headline
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, TITLE_SIZE
+from radmpc.wording import short_cost
 
 __all__ = [
     "alert_text",
@@ -64,13 +65,13 @@ def subtitle(plan: Plan, *, details: bool = True) -> str:
     """
     facts = []
     if plan.cost is not None:
-        facts.append(f"cost {plan.cost:.4g}")
+        facts.append(f"cost {short_cost(plan.cost, 4)}")
     if plan.risk.certified is not None:
         sign = "≤" if plan.risk.certified <= plan.risk.bound else ">"
-        certified = min(plan.risk.certified, 1.0)
+        risk, bound = bound_texts(min(plan.risk.certified, 1.0), plan.risk.bound)
         # Below this a bound says "none": its digits would only look like something.
-        risk = "< 1e-12" if certified < 1e-12 else f"{certified:.3g}"
-        facts.append(f"risk {risk} {sign} {plan.risk.bound:g}")
+        risk = "< 1e-12" if plan.risk.certified < 1e-12 <= plan.risk.bound else risk
+        facts.append(f"risk {risk} {sign} {bound}")
     if not details:
         return " · ".join(facts)
     if "total" in plan.seconds:
@@ -89,7 +90,8 @@ def alert_text(plan: Plan) -> str | None:
         return "no plan"
     certified = plan.risk.certified
     if certified is not None and certified > plan.risk.bound:
-        return f"certificate {bound_text(certified)} exceeds the risk bound {plan.risk.bound:g}"
+        risk, bound = bound_texts(certified, plan.risk.bound)
+        return f"certificate {risk} exceeds the risk bound {bound}"
     return None
 
 

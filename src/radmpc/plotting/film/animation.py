@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Callable
-from html import escape
 from io import BytesIO
 
 from matplotlib import rc_context
@@ -18,6 +16,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.arguments import check_integer
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
+from radmpc.notebook import html_picture, lacking_signs
 from radmpc.plotting.artists.legend import draw_film_legend, num_film_legend_lines
 from radmpc.plotting.canvas.extent import plan_extent
 from radmpc.plotting.canvas.figure import (
@@ -86,25 +85,27 @@ class PlanAnimation(FuncAnimation):
         From frame to frame.
     name : str
         What it is called where it cannot be shown.
+    lacking : set of str
+        Letters that the font lacks, as far as the layout has told of them.
     """
 
-    def __init__(self, film: Film, milliseconds: int, name: str) -> None:
+    def __init__(self, film: Film, milliseconds: int, name: str, lacking: set[str]) -> None:
         super().__init__(
             film.figure, film.show, frames=film.num_frames, init_func=list, repeat_delay=1000,
             interval=milliseconds,
         )  # fmt: skip
-        self._shown = film, milliseconds, name
+        self._shown = film, milliseconds, name, lacking
 
     def _repr_html_(self) -> str:
         """Return the film as part of a page."""
-        film, milliseconds, name = self._shown
+        film, milliseconds, name, laid_out = self._shown
         self._draw_was_started = True  # else matplotlib warns that nobody has looked at it
         content, dpi = BytesIO(), film.figure.dpi
-        write_gif(film, content, milliseconds)
+        with lacking_signs() as drawn:
+            write_gif(film, content, milliseconds)
         film.figure.set_dpi(dpi)
         film.show(0)
-        data = b64encode(content.getvalue()).decode("ascii")
-        return f'<img alt="{escape(name)}" src="data:image/gif;base64,{data}"/>'
+        return html_picture(content.getvalue(), "gif", name, drawn | laid_out)
 
 
 def animate_plan(
@@ -144,9 +145,10 @@ def animate_plan(
     >>> "<script" in radmpc.animate_plan(plan, frames_per_step=1).to_jshtml()
     True
     """
-    film = make_film(plan, ax, frames_per_step)
+    with lacking_signs() as lacking:
+        film = make_film(plan, ax, frames_per_step)
     milliseconds = round(1000.0 * SECONDS_PER_STEP / frames_per_step)
-    return PlanAnimation(film, milliseconds, plan.scenario.name)
+    return PlanAnimation(film, milliseconds, plan.scenario.name, lacking)
 
 
 @rc_context(PLAIN)

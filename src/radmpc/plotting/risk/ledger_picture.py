@@ -13,7 +13,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
 from radmpc.model.given import check_plan
-from radmpc.model.ledger import bound_text
+from radmpc.model.ledger import bound_texts
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.figure import check_axes, check_figure
 from radmpc.plotting.canvas.headline import PLAIN, figure_headline
@@ -162,10 +162,11 @@ def _write_headlines(figure: Figure | SubFigure, plan: Plan) -> None:
     certified, bound = plan.risk.certified, plan.risk.bound
     if certified is None:
         text, color = "no certificate", MUTED
-    elif certified <= bound:
-        text, color = f"risk at most {bound_text(certified)}, within Δ = {bound:g}", MUTED
     else:
-        text, color = f"risk at most {bound_text(certified)}: ABOVE Δ = {bound:g}", ALERT
+        risk, limit = bound_texts(certified, bound)
+        text, color = f"risk at most {risk}, within Δ = {limit}", MUTED
+        if certified > bound:
+            text, color = f"risk at most {risk}: ABOVE Δ = {limit}", ALERT
     figure.text(
         0.02,
         headline.get_position()[1] - _LINE * figure.dpi / figure.bbox.height,

@@ -8,7 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.model.given import plan_under
-from radmpc.model.ledger import bound_text
+from radmpc.model.ledger import bound_text, bound_texts
 from radmpc.model.plan import Cause, LedgerRow, Plan
 from radmpc.model.scenario import Avoidance, Scenario
 from radmpc.notebook import html_table
@@ -80,9 +80,8 @@ class Certificate:
     def summary(self) -> str:
         """The verdict in one sentence."""
         relation = "at most" if self.certified <= self.bound else "above"
-        risk = (
-            f"certified risk {bound_text(self.certified)} is {relation} the bound {self.bound:.4g}"
-        )
+        certified, bound = bound_texts(self.certified, self.bound)
+        risk = f"certified risk {certified} is {relation} the bound {bound}"
         if not self.problems:
             return f"{'holds' if self.holds else 'does not hold'}: {risk}"
         count = len(self.problems)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.model.ledger import bound_text
+from radmpc.model.ledger import bound_texts
 from radmpc.model.plan import Coupling, LedgerRow, Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.serving.protocol import (
@@ -205,10 +205,8 @@ def _report(plan: Plan) -> list[str]:
     certified, saturation = plan.risk.certified, plan.risk.saturation
     if certified is not None:
         relation = "within" if certified <= plan.risk.bound else "above"
-        said.append(
-            f"risk of any collision at most {bound_text(certified)}, {relation} the risk bound "
-            f"{plan.risk.bound:g}"
-        )
+        risk, bound = bound_texts(certified, plan.risk.bound)
+        said.append(f"risk of any collision at most {risk}, {relation} the risk bound {bound}")
     if saturation is not None and saturation >= _TOLD:
         said.append(f"some control saturates with a probability of at most {saturation:.2g}")
     if plan.risk.price:

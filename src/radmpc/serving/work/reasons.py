@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from radmpc.io.native.encoding import encode_scenario
+from radmpc.model.ledger import bound_texts
 from radmpc.model.plan import LedgerRow, Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.presets import DEFAULT
@@ -54,10 +55,10 @@ def _spender(plan: Plan, row: LedgerRow) -> Remark:
     means = plan.trajectory(row.vehicle).means[:, list(vehicle.system.position)]
     place = means[min(row.step, len(means) - 1)]
     other = row.other or ("the workspace border" if row.cause == "workspace" else "all that is far")
-    certified = plan.risk.certified or 0.0
+    certified, bound = bound_texts(plan.risk.certified or 0.0, plan.risk.bound)
     text = (
         f"{row.vehicle} and {other} at step {row.step}: a risk of {row.risk:.2g} of "
-        f"{certified:.3g}, the bound is {plan.risk.bound:g}"
+        f"{certified}, the bound is {bound}"
     )
     if DEFAULT not in names_of_choices(plan.planner):
         text += f"; this planner does not keep to it, {DEFAULT} does"

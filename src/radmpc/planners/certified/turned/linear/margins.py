@@ -19,6 +19,10 @@ chords lie above it by up to 4 % between 1.8 and 4."""
 _LEAST = 1e-7
 """Risk at the ladder's highest rung where tails fall slowly [-]."""
 
+_DEAREST = 1e100
+"""Cost of a unit of probability at most: beyond, products and squares of it leave the range of
+floats, and what is given up for less is the same."""
+
 _AROUND = (2.0, 1.0, 0.0, -1.0, -2.0)
 """Clearances added around that of the latest path [spacings]."""
 
@@ -180,6 +184,6 @@ def priced_margins(
     lengths = -np.diff(levels, axis=2) * deviations[..., None]
     steps: Vector = np.diff(tail.probability(levels), axis=2)
     risks = np.where(lengths > 0.0, steps / np.where(lengths > 0.0, lengths, 1.0), 0.0)
-    prices = price * risks
+    prices = min(price, _DEAREST) * risks
     penalty = max(penalty, float(prices.max(initial=0.0)))
     return Margins(rungs[0] * deviations, lengths, prices, risks, penalty)
