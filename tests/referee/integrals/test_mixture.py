@@ -1,5 +1,7 @@
 """Student's t as a sum of Gaussians, against quadrature over the angle and over the factor."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.special import stdtr
@@ -75,3 +77,20 @@ def test_without_samples_deviations_are_gaussian():
     known = exceeds_alone_under(None, *limits)
     assert exceeds_alone_under(1_000_000, *limits) == pytest.approx(known, rel=3e-3)
     assert exceeds_alone_under(10, *limits) > 2.0 * known
+
+
+def test_many_events_take_little_memory_and_come_to_the_same_as_few():
+    rng = np.random.default_rng(2)
+    count, few = 40_000, slice(19_990, 20_010)
+    b = rng.uniform(0.0, 30.0, count)
+    limits = b + rng.normal(0.0, 1.0, count), b, rng.uniform(0.5, 1.0, count)
+    alone = exceeds_alone_mixed(*(each[few] for each in limits), 3)
+    tracemalloc.start()
+    try:
+        together = exceeds_alone_mixed(*limits, 3)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 40e6
+    for one, other in zip(together, alone, strict=True):
+        assert np.array_equal(one[few], other)

@@ -47,6 +47,9 @@ _ROUNDING = 1e-8
 _LARGEST = 40.0
 """Limits beyond which no event is told from none [standard deviations]."""
 
+_MOST_TERMS = 50_000
+"""Gaussians times events that are summed in one go [-]: temporary arrays take 200 B for each."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mixture:
@@ -131,7 +134,18 @@ def exceeds_alone_mixed(
     above, below : (E,) array
         Not below the probability, and not further above it than `exceeds_alone` is above its own.
     """
-    mixture = mixture_of(samples)
+    mixture, count = mixture_of(samples), len(b)
+    above, below = np.empty(count), np.empty(count)
+    size = max(1, _MOST_TERMS // len(mixture.roots))
+    for start in range(0, count, size):
+        part = slice(start, start + size)
+        above[part], below[part] = _summed(mixture, a[part], b[part], correlation[part])
+    above = (1.0 + mixture.share) * above + mixture.lost
+    return np.minimum(above, exceeding(b, samples)), below / (1.0 + mixture.share)
+
+
+def _summed(mixture: Mixture, a: Vector, b: Vector, correlation: Vector) -> tuple[Vector, Vector]:
+    """Return sums over Gaussians of what bounds events, (E,), and of those not charged whole."""
     roots, weights = mixture.roots[:, None], mixture.weights[:, None]
     each = np.stack([np.clip(limits * roots, -_LARGEST, _LARGEST) for limits in (a, b)])
     # Whatever the correlation.
@@ -143,8 +157,7 @@ def exceeds_alone_mixed(
         each[0, point, event], each[1, point, event], correlation[event]
     )
     charged[point, event] = alone[point, event]
-    above = (1.0 + mixture.share) * charged.sum(axis=0) + mixture.lost
-    return np.minimum(above, exceeding(b, samples)), alone.sum(axis=0) / (1.0 + mixture.share)
+    return charged.sum(axis=0), alone.sum(axis=0)
 
 
 def _distance(shape: float) -> float:
