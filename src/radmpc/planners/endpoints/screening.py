@@ -16,14 +16,16 @@ from radmpc.program.condensed import CondensedModel
 __all__ = ["are_surely_harmless"]
 
 _FAR = 40.0
-"""Standard deviations beyond which pairs are left out [-]: Gaussian tails there are 0."""
+"""Standard deviations beyond which pairs are left out [-]: Gaussian tails there are 0. Where tails
+fall slowly it is so many as leave next to nothing."""
 
 _NEAR = 6.0
 """Standard deviations within which a box around a piece of an obstacle calls for a look at its
 faces [-]: beyond, tails are 1e-9."""
 
 _MOST = 10_000_000
-"""Vehicles times pieces of obstacles up to which they are looked at [-]: 80 MB."""
+"""Vehicles times pieces of obstacles, or pairs where all may be near, up to which they are looked
+at [-]: 80 MB."""
 
 
 def are_surely_harmless(scenario: Scenario, models: Sequence[CondensedModel]) -> bool:
@@ -42,10 +44,11 @@ def are_surely_harmless(scenario: Scenario, models: Sequence[CondensedModel]) ->
     Returns
     -------
     bool
-        False where a closer look has to tell, as with tails that are not Gaussian.
+        False where a closer look has to tell.
     """
     tail, left = Tail(scenario.covariance_samples), scenario.risk_bound
-    if not tail.is_gaussian:
+    far, pairs = tail.beyond(_FAR), 0.5 * len(models) * (len(models) - 1)
+    if far > _FAR and pairs > _MOST:
         return False
     for at_goal in (False, True):
         boxes = [Box.at_endpoint(model, at_goal=at_goal) for model in models]
@@ -56,9 +59,13 @@ def are_surely_harmless(scenario: Scenario, models: Sequence[CondensedModel]) ->
         covariances = np.array([box.covariance for box in boxes])
         spreads = np.sqrt(np.maximum(np.linalg.eigvalsh(covariances)[:, -1], 0.0))
         radii = np.array([vehicle.radius for vehicle in scenario.vehicles])
-        parts = [_of_obstacles(shapes, middles, radii, spreads), _of_pairs(middles, radii, spreads)]
-        parts.append(_of_borders(scenario, middles, spreads))
+        parts = [
+            _of_obstacles(shapes, middles, radii, spreads),
+            _of_pairs(middles, radii, spreads, far),
+            _of_borders(scenario, middles, spreads),
+        ]
         left -= sum(float(tail.probability(clearance(*part)).sum()) for part in parts)
+        left -= pairs * tail.probability(far)
         if not left > 0.0:
             return False
     return True
@@ -85,9 +92,9 @@ def _of_obstacles(
     return slacks.ravel(), deviations.ravel()
 
 
-def _of_pairs(middles: Matrix, radii: Vector, spreads: Vector) -> tuple[Vector, Vector]:
+def _of_pairs(middles: Matrix, radii: Vector, spreads: Vector, far: float) -> tuple[Vector, Vector]:
     """Return slacks and deviations of the pairs that are not far apart, (P,) each [m]."""
-    near = 2.0 * float(radii.max() + _FAR * spreads.max()) + 1e-6
+    near = 2.0 * float(radii.max() + far * spreads.max()) + 1e-6
     one, two = near_pairs(middles, near).T
     apart = np.linalg.norm(middles[one] - middles[two], axis=1)
     return apart - radii[one] - radii[two], spreads[one] + spreads[two]
