@@ -26,6 +26,7 @@ from functools import lru_cache
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, frozen
+from radmpc.model.noise.contents import Keyed, contents
 from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass, field, replace
@@ -123,7 +124,7 @@ class _Open:
 
 @lru_cache(maxsize=64)
 def loop_of(vehicle: Vehicle, horizon: int) -> Loop:
-    """Return the closed loop of a vehicle, the same again for the same value.
+    """Return the closed loop of a vehicle, the same again for it and for all with an equal one.
 
     A planner has plan after plan of one fleet judged, and a filter takes long.
 
@@ -134,6 +135,16 @@ def loop_of(vehicle: Vehicle, horizon: int) -> Loop:
     horizon : int
         Number of steps T.
     """
+    noise = vehicle.initial_covariance, vehicle.disturbance_covariance
+    lasting = vehicle.disturbance_correlation, vehicle.shared, vehicle.belief
+    alike = contents((vehicle.system, noise, lasting, vehicle.measurement, vehicle.gain))
+    return _loop_of_alike(Keyed(vehicle, alike), horizon)
+
+
+@lru_cache(maxsize=64)
+def _loop_of_alike(one: Keyed, horizon: int) -> Loop:
+    """Return the closed loop of any of the vehicles with equal dynamics, feedback and noise."""
+    vehicle: Vehicle = one.value
     n = vehicle.system.num_states
     initial, fresh = vehicle.initial_covariance, vehicle.disturbance_covariance
     free, pushed = vehicle.system.A, np.zeros((n, n))

@@ -119,10 +119,12 @@ def thin(
     """
     check_plan(plan)
     for name, value, least in (("tolerance", tolerance, 0.0), ("rounding", rounding, -1e-300)):
-        if not is_number(value) or not least < value < np.inf:
-            sign = ">" if name == "tolerance" else ">="
-            error = ArgumentError if is_number(value) else ArgumentTypeError
-            raise error(f"{name} must be a number {sign} 0 m, got {value_text(value)}")
+        sign = ">" if name == "tolerance" else ">="
+        told = f"{name} must be a number {sign} 0 m, got {value_text(value)}"
+        if not is_number(value):
+            raise ArgumentTypeError(told)
+        if not least < value < np.inf:
+            raise ArgumentError(told)
     if not plan.trajectories:
         raise NoPlanError("nothing to thin: the plan has no trajectories")
     if risk_bound is not None:

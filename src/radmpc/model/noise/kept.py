@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import Protocol
 
 from radmpc.arrays import Matrix, frozen
+from radmpc.model.noise.contents import Keyed, contents
 from radmpc.model.noise.fleet_chain import Shaken
 from radmpc.model.noise.spread import Spread, spread_of
 
@@ -22,10 +23,9 @@ class Steered(Shaken, Protocol):
 
 @lru_cache(maxsize=64)
 def kept_spread(vehicle: Steered, horizon: int) -> Spread:
-    """Return a vehicle's covariances, the same again for the same value.
+    """Return a vehicle's covariances, the same again for it and for all that are shaken alike.
 
-    Vehicles never change, and two of them are the same only if they are one; the arrays are
-    read-only.
+    Vehicles never change; the arrays are read-only.
 
     Parameters
     ----------
@@ -39,6 +39,14 @@ def kept_spread(vehicle: Steered, horizon: int) -> Spread:
     Spread
         At k = 0..T.
     """
+    alike = contents((vehicle.system, vehicle.noise, vehicle.gain))
+    return _kept_of_alike(Keyed(vehicle, alike), horizon)
+
+
+@lru_cache(maxsize=64)
+def _kept_of_alike(one: Keyed, horizon: int) -> Spread:
+    """Return the covariances of any of the vehicles that are shaken and steered alike."""
+    vehicle: Steered = one.value
     found = spread_of(vehicle.system, vehicle.noise, vehicle.gain, horizon)
     unknown = None if found.unknown is None else frozen(found.unknown)
     return Spread(frozen(found.mixing), frozen(found.known), unknown)
