@@ -23,7 +23,7 @@ IMAGES = ROOT / "docs" / "images"
 
 _WIDTHS = 900, 1150  # of a picture of one column, of two [px]
 _ONE_COLUMN = 1500  # what is wider is two [px]
-_COLORS = 160  # of its palette
+_COLORS = 144  # of its palette
 _FILM_WIDTH, _FILM_COLORS, _EVERY = 420, 48, 2  # of a film, of which every second frame stays
 
 
