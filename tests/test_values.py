@@ -167,6 +167,17 @@ def test_a_fleet_that_stays_costs_nothing_and_not_what_rounding_leaves(result) -
     assert "0 (at least 0)" in repr(replace(result, record=still))
 
 
+def test_a_plan_that_is_refused_within_its_bound_says_what_it_is_refused_for(result) -> None:
+    sound = result.certificate
+    one = replace(result, certificate=replace(sound, problems=("v0 misses its goal by 1 m",)))
+    assert f", within {sound.bound:g}; refused: v0 misses its goal by 1 m" in repr(one)
+    two = replace(result, certificate=replace(sound, problems=("v0 misses its goal", "v1 too")))
+    assert "refused: v0 misses its goal (and 1 more)" in repr(two)
+    beyond = replace(result, certificate=replace(sound, certified=0.06))
+    assert "at most 0.06, NOT within 0.05" in repr(beyond)
+    assert "refused" not in repr(beyond)
+
+
 def test_what_a_notebook_draws_hides_no_other_warning() -> None:
     with pytest.warns(UserWarning, match="the layout failed"), lacking_signs() as lacking:
         warnings.warn("the layout failed", UserWarning, stacklevel=1)

@@ -139,9 +139,13 @@ def _facts(result: Result) -> list[tuple[str, str]]:
     bound = "no lower bound" if least is None else f"at least {short_cost(least)}"
     facts.append(("cost", f"{short_cost(result.cost)} ({bound})"))
     if result.certificate is not None:
-        sign = "within" if result.certificate.holds else "NOT within"
-        risk, bound = bound_texts(result.certificate.certified, record.scenario.risk_bound)
+        certified, problems = result.certificate.certified, result.certificate.problems
+        sign = "within" if certified <= record.scenario.risk_bound else "NOT within"
+        risk, bound = bound_texts(certified, record.scenario.risk_bound)
         facts.append(("risk", f"at most {risk}, {sign} {bound}"))
+        if problems:
+            more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+            facts.append(("the plan", f"refused: {problems[0]}{more}"))
     groups = sorted(result.sets, key=len, reverse=True)
     shown = ", ".join("{" + ", ".join(group) + "}" for group in groups[:_MOST_SETS])
     more = f" and {len(groups) - _MOST_SETS} more" if len(groups) > _MOST_SETS else ""
