@@ -44,9 +44,6 @@ _FAINT = 1e-4
 _ROUNDING = 1e-8
 """Relative error of weights [-]: logarithms of their factors cancel, 6e6 at a million samples."""
 
-_LARGEST = 40.0
-"""Limits beyond which no event is told from none [standard deviations]."""
-
 _MOST_TERMS = 50_000
 """Gaussians times events that are summed in one go [-]: temporary arrays take 200 B for each."""
 
@@ -140,14 +137,14 @@ def exceeds_alone_mixed(
     for start in range(0, count, size):
         part = slice(start, start + size)
         above[part], below[part] = _summed(mixture, a[part], b[part], correlation[part])
-    above = (1.0 + mixture.share) * above + mixture.lost
+    above = (1.0 + mixture.share) * (above + mixture.lost)
     return np.minimum(above, exceeding(b, samples)), below / (1.0 + mixture.share)
 
 
 def _summed(mixture: Mixture, a: Vector, b: Vector, correlation: Vector) -> tuple[Vector, Vector]:
     """Return sums over Gaussians of what bounds events, (E,), and of those not charged whole."""
     roots, weights = mixture.roots[:, None], mixture.weights[:, None]
-    each = np.stack([np.clip(limits * roots, -_LARGEST, _LARGEST) for limits in (a, b)])
+    each = np.stack([limits * roots for limits in (a, b)])
     # Whatever the correlation.
     charged = weights * np.minimum(ndtr(each[0]), ndtr(-each[1]))
     faint = _FAINT / len(roots) * charged.sum(axis=0)
