@@ -242,8 +242,11 @@ export type Request = {
 }[CallName];
 
 export interface Failure {
-  /** `stale`: changed elsewhere; `refused`: bad input, in words; `limit`; `gone`; `internal`. */
-  readonly kind: "stale" | "refused" | "limit" | "gone" | "internal";
+  /**
+   * `stale`: changed elsewhere; `refused`: bad input, in words; `exists`: a file that `overwrite`
+   * would replace; `limit`; `gone`; `internal`.
+   */
+  readonly kind: "stale" | "refused" | "exists" | "limit" | "gone" | "internal";
   readonly text: string;
   readonly path: Path | null;
 }

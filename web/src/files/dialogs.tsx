@@ -9,7 +9,7 @@ import type { FileEntry } from "../protocol";
 import { document } from "../state/document";
 import { complain, hello, helpIsOpen } from "../state/session";
 import { JudgingLine } from "./judging";
-import { dialog, openPath, openTemplate, saveAs, switchTo, take } from "./saving";
+import { dialog, openPath, openTemplate, saveAs, switchTo, take, unsaved } from "./saving";
 
 export function Dialogs() {
   return (
@@ -142,14 +142,16 @@ function OpenDocuments() {
 function SaveDialog() {
   const state = document.value;
   const path = useSignal(state?.file ?? `${state?.view?.name ?? "scenario"}.yaml`);
-  const problem = useSignal<string | null>(null);
+  const problem = unsaved.value;
   const submit = async (overwrite: boolean) => {
-    const result = await saveAs(path.value, overwrite);
-    if (result === true) dialog.value = null;
-    else problem.value = result;
+    if (await saveAs(path.value, overwrite)) dialog.value = null;
+  };
+  const close = () => {
+    dialog.value = null;
+    unsaved.value = null;
   };
   return (
-    <Modal title="Save as" close={() => (dialog.value = null)}>
+    <Modal title="Save as" close={close}>
       <form
         onSubmit={(event) => {
           event.preventDefault();
@@ -161,20 +163,20 @@ function SaveDialog() {
           <input
             autofocus
             value={path.value}
-            aria-invalid={problem.value !== null}
+            aria-invalid={problem !== null}
             onInput={(event) => {
               path.value = event.currentTarget.value;
-              problem.value = null;
+              unsaved.value = null;
             }}
           />
         </label>
-        {problem.value !== null && (
+        {problem !== null && (
           <p class="remark error" role="alert">
-            {problem.value}
+            {problem.text}
           </p>
         )}
         <div class="buttons">
-          {problem.value !== null && (
+          {problem?.isThere === true && (
             <button type="button" onClick={() => void submit(true)}>
               Overwrite
             </button>

@@ -22,7 +22,7 @@ from radmpc.serving.desk.things import Changed
 from radmpc.serving.documents import templates as kinds
 from radmpc.serving.documents.document import Document
 from radmpc.serving.documents.text import Original, text_of
-from radmpc.serving.failures import refused
+from radmpc.serving.failures import exists, refused
 from radmpc.serving.folder import CHARTS, FLIGHTS, SCENARIOS
 from radmpc.serving.protocol import Named
 
@@ -194,7 +194,7 @@ def _place_of(desk: Desk, document: Document, path: str, *, overwrite: bool) -> 
     is_its_own = document.file == path
     place = desk.folder.writable(path, *SCENARIOS, overwrite=overwrite or is_its_own)
     if not overwrite and place.exists() and desk.folder.digest(place) != document.digest:
-        raise refused(f"{path}: it is there already, and has changed since it was read")
+        raise exists(path, ", and has changed since it was read")
     return place
 
 
