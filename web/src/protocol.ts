@@ -217,7 +217,8 @@ export interface Calls {
   undo: [{ document: string; revision: number }, DocumentState];
   redo: [{ document: string; revision: number }, DocumentState];
   save: [{ document: string; path: string; overwrite: boolean }, DocumentState];
-  export: [{ plan: string; format: string }, { name: string; base64: string }];
+  /** `warnings` are what is to be known before the file is used, as `radmpc export` has them. */
+  export: [{ plan: string; format: string }, { name: string; base64: string; warnings: readonly string[] }];
   /** Tries cures and looks for what stands in the way: takes seconds. */
   why: [{ document: string }, readonly Remark[]];
   plan: [{ document: string; planner: string; seconds: number; gap: number | null; riskBound: number | null }, SearchState];
