@@ -7,8 +7,9 @@ import { call } from "../connection";
 import { KEYS } from "../edit/keyboard";
 import type { FileEntry } from "../protocol";
 import { document } from "../state/document";
-import { complain, hello, helpIsOpen } from "../state/session";
+import { complain, hello, helpIsOpen, notice } from "../state/session";
 import { JudgingLine } from "./judging";
+import { NoticeLine } from "./notice";
 import { dialog, openPath, openTemplate, saveAs, switchTo, take, unsaved } from "./saving";
 
 export function Dialogs() {
@@ -54,6 +55,7 @@ function OpenDialog() {
   const files = useSignal<readonly FileEntry[]>([]);
   const filter = useSignal("");
   useEffect(() => {
+    notice.value = null;
     call("files", {}).then((found) => (files.value = found), complain);
     call("hello", {}).then((now) => (hello.value = now), complain);
   }, []);
@@ -62,6 +64,7 @@ function OpenDialog() {
   const matching = files.value.filter((file) => file.path.toLowerCase().includes(wanted));
   return (
     <Modal title="Open" close={() => (dialog.value = null)}>
+      <NoticeLine />
       <JudgingLine />
       <section>
         <h3>New</h3>
