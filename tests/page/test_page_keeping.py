@@ -163,6 +163,20 @@ def test_a_chart_dropped_on_the_page_becomes_obstacles(screen):
     page.tab("Scene").get_by_text(re.compile(r"\d+ vehicles?, \d+ obstacle")).wait_for()
 
 
+def test_a_file_that_cannot_be_opened_is_told_of_in_the_dialog_that_it_was_chosen_in(
+    screen, server
+):
+    (server.folder / "wrong.yaml").write_text("format: radmpc/scenario/1\nname: [\n", "utf-8")
+    page = screen(server.open("right.yaml", STRAIT))
+    page.map.wait_for()
+    page.button("Open or new").first.click()
+    dialog = page.page.get_by_role("dialog", name="Open")
+    dialog.get_by_role("button", name="wrong.yaml").click()
+    dialog.get_by_role("alert").get_by_text("wrong.yaml").wait_for()
+    dialog.get_by_role("button", name="Dismiss").click()
+    assert dialog.get_by_role("alert").count() == 0
+
+
 def test_a_page_with_another_token_is_told_so_and_shown_nothing(screen):
     page = screen()
     page.page.evaluate("sessionStorage.setItem('token', 'wrong')")

@@ -138,6 +138,27 @@ def test_what_is_saved_keeps_the_comments_of_its_file(screen, server):
     assert "# dries at low water" in text
 
 
+def test_a_file_that_somebody_else_has_changed_is_replaced_only_when_told_to(screen, server):
+    page = screen(server.open("shared.yaml", STRAIT))
+    page.map.wait_for()
+    theirs = STRAIT.replace("dt: 1.0", "dt: 2.0")
+    (server.folder / "shared.yaml").write_text(theirs, encoding="utf-8")
+    page.page.keyboard.press("Control+s")
+    asked = page.page.get_by_role("dialog", name="Save as")
+    asked.get_by_text("has changed since it was read").wait_for()
+    assert (server.folder / "shared.yaml").read_text(encoding="utf-8") == theirs
+    # What cannot be written at all cannot be written over either.
+    asked.get_by_label("Name in").fill("nowhere/shared.yaml")
+    asked.get_by_role("button", name="Save", exact=True).click()
+    asked.get_by_text("there is no such folder").wait_for()
+    assert asked.get_by_role("button", name="Overwrite").count() == 0
+    asked.get_by_label("Name in").fill("shared.yaml")
+    asked.get_by_role("button", name="Save", exact=True).click()
+    asked.get_by_role("button", name="Overwrite").click()
+    page.sees(re.compile("^Saved as"))
+    assert (server.folder / "shared.yaml").read_text(encoding="utf-8") == STRAIT
+
+
 def test_what_is_being_typed_stays_while_the_document_changes_elsewhere(screen, server):
     page = screen(server.open("typed.yaml", STRAIT))
     panel = page.tab("Scene")

@@ -152,6 +152,31 @@ def test_a_low_screen_as_at_twice_the_size_shows_all_of_the_map(screen, strait):
     assert page.page.evaluate("document.documentElement.scrollWidth") <= 720
 
 
+def test_a_screen_as_at_four_times_the_size_is_scrolled_to_all_of_it(screen, strait):
+    page = shown(screen, strait, width=320, height=256)
+    assert page.map.bounding_box()["height"] >= 150
+    toolbar, timeline = page.page.locator(".toolbar"), page.page.locator(".timeline")
+    for name in ("Plan", "Risk", "Flight", "Scene"):
+        page.tab(name)
+        assert page.page.evaluate("document.documentElement.scrollWidth") <= 320
+    bottom = toolbar.bounding_box()["y"] + toolbar.bounding_box()["height"]
+    assert bottom <= page.map.bounding_box()["y"] < timeline.bounding_box()["y"]
+
+
+def test_numbers_and_long_names_of_the_ledger_are_all_to_be_read_in_narrow_panels(screen, server):
+    longer = STRAIT.replace("tug", "tug of the northern flotilla that is named at great length")
+    document = server.open("longer.yaml", longer)
+    server.planned(document)
+    page = screen(document, width=720, height=450)
+    panel = page.tab("Risk")
+    panel.get_by_text("holds").wait_for()
+    cut = """panel => [...panel.querySelectorAll('dd, .p-name')].filter(one =>
+        one.scrollWidth > one.clientWidth + 1 && getComputedStyle(one).display !== 'inline'
+        || one.getBoundingClientRect().right > panel.getBoundingClientRect().right
+    ).map(one => one.textContent)"""
+    assert panel.evaluate(cut) == []
+
+
 def test_scenes_in_space_turn_by_hand_and_by_keys(screen, server):
     drones = ROOT / "src" / "radmpc" / "data" / "templates" / "drones.yaml"
     page = screen(server.open("drones.yaml", drones.read_text(encoding="utf-8")))

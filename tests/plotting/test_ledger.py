@@ -165,10 +165,13 @@ def test_given_axes_are_drawn_on_and_nothing_global_changes(spent: Plan) -> None
     assert dict(matplotlib.rcParams) == before
 
 
-def test_long_names_leave_room(flat_plan: Plan) -> None:
-    rows = (LedgerRow("obstacle", "a", "the-old-lighthouse", 1, 0.01),)
-    names, _ = map_rows(replace(flat_plan, risk=Risk(0.05, 0.01, rows)), 8)
-    assert names == ["a, the-old-lig…"]
+def test_long_names_leave_room_and_are_told_apart_by_their_ends(flat_plan: Plan) -> None:
+    rows = tuple(
+        LedgerRow("obstacle", "a", f"the-old-lighthouse-{number}", 1, risk)
+        for number, risk in ((1, 0.01), (2, 0.005))
+    )
+    names, _ = map_rows(replace(flat_plan, risk=Risk(0.05, 0.015, rows)), 8)
+    assert names == ["a, the-o…ouse-1", "a, the-o…ouse-2"]
 
 
 @pytest.mark.slow

@@ -45,6 +45,7 @@ def test_of_two_documents_saved_at_once_under_one_new_name_one_is_refused(desk):
     assert saved.state["file"] == "new.yaml"
     assert isinstance(failure, CallError)
     assert str(failure) == "new.yaml: it is there already"
+    assert failure.kind == "exists"
 
 
 @pytest.mark.parametrize("name", ["pipe.yaml", "pipe.jsonl", "pipe.kml"])

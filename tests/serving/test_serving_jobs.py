@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
@@ -16,9 +15,7 @@ from radmpc.io.native.encoding import encode_scenario
 from radmpc.model.plan import Status
 from radmpc.planning import plan
 from radmpc.referee import simulate
-from radmpc.serving.desk.files import exported
 from radmpc.serving.documents.content import changed
-from radmpc.serving.failures import CallError
 from radmpc.serving.views.plan import mean_path, plan_summary, plan_view
 from radmpc.serving.work.asking import Asked
 from radmpc.serving.work.charts import read_chart, read_obstacles
@@ -68,16 +65,6 @@ def planned():
     asked = Asked({**two(), "risk_bound": 0.3}, "certified", 20.0, gap=0.2, risk_bound=0.2)
     ended = plan_content(control, asked)
     return control, ended
-
-
-@pytest.mark.slow
-def test_an_export_that_needs_a_place_on_earth_says_how_to_state_one():
-    desk = SimpleNamespace(plan=lambda number: SimpleNamespace(plan=planned()[1].plan))
-    with pytest.raises(CallError) as caught:
-        asyncio.run(exported(desk, {"plan": "p1", "format": "kml"}))
-    assert caught.value.kind == "refused"
-    assert str(caught.value).startswith("kml needs the plan's place on earth: state it in")
-    assert "radmpc export --origin" in str(caught.value)
 
 
 @pytest.mark.slow

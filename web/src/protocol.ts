@@ -217,7 +217,8 @@ export interface Calls {
   undo: [{ document: string; revision: number }, DocumentState];
   redo: [{ document: string; revision: number }, DocumentState];
   save: [{ document: string; path: string; overwrite: boolean }, DocumentState];
-  export: [{ plan: string; format: string }, { name: string; base64: string }];
+  /** `warnings` are what is to be known before the file is used, as `radmpc export` has them. */
+  export: [{ plan: string; format: string }, { name: string; base64: string; warnings: readonly string[] }];
   /** Tries cures and looks for what stands in the way: takes seconds. */
   why: [{ document: string }, readonly Remark[]];
   plan: [{ document: string; planner: string; seconds: number; gap: number | null; riskBound: number | null }, SearchState];
@@ -242,8 +243,11 @@ export type Request = {
 }[CallName];
 
 export interface Failure {
-  /** `stale`: changed elsewhere; `refused`: bad input, in words; `limit`; `gone`; `internal`. */
-  readonly kind: "stale" | "refused" | "limit" | "gone" | "internal";
+  /**
+   * `stale`: changed elsewhere; `refused`: bad input, in words; `exists`: a file that `overwrite`
+   * would replace; `limit`; `gone`; `internal`.
+   */
+  readonly kind: "stale" | "refused" | "exists" | "limit" | "gone" | "internal";
   readonly text: string;
   readonly path: Path | null;
 }

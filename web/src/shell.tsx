@@ -6,11 +6,12 @@ import { ScenePanel } from "./edit/scene-panel";
 import { announcement } from "./edit/tools";
 import { Dialogs } from "./files/dialogs";
 import { JudgingLine } from "./files/judging";
+import { NoticeLine } from "./files/notice";
 import { dialog, take } from "./files/saving";
 import { FlightRegion, PlanRegion, RiskRegion, TimelineRegion } from "./panels/wiring";
 import { Scene } from "./scene/scene";
 import { document as opened } from "./state/document";
-import { hello, notice, OPENING, sheet, tab, type Tab } from "./state/session";
+import { hello, OPENING, sheet, tab, type Tab } from "./state/session";
 import { Toolbar } from "./toolbar";
 
 const TABS: readonly (readonly [Tab, string])[] = [
@@ -146,19 +147,6 @@ function Welcome() {
         Open or new
       </button>
       <p class="muted">Or drop a scenario, a plan, a flight or a chart here.</p>
-    </div>
-  );
-}
-
-function NoticeLine() {
-  const now = notice.value;
-  if (now === null) return null;
-  return (
-    <div class={now.isError ? "notice error" : "notice"} role={now.isError ? "alert" : "status"}>
-      <span>{now.text}</span>
-      <button type="button" class="plain" aria-label="Dismiss" onClick={() => (notice.value = null)}>
-        ×
-      </button>
     </div>
   );
 }

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { outlineSpots } from "../src/scene/layers/names.ts";
+import { insideFirst, shortened } from "../src/scene/placing.ts";
 import { HIGH, namePlaces } from "../src/space/naming.ts";
 
 const AREA = 1000 * 700;
@@ -64,4 +65,19 @@ test("the name of an obstacle lies on it, though its middle lies outside", () =>
 
 test("an obstacle narrower than its name has none", () => {
   assert.deepEqual(outlineSpots(obstacle([[0, 0], [1, 0], [1, 9], [0, 9]]), CAMERA, 40), []);
+});
+
+test("a name that is too long is shortened in its middle, where names differ least", () => {
+  const fits = ({ length }) => length <= 12;
+  assert.equal(shortened("tug", fits), "tug");
+  const [one, two] = [1, 2].map((number) => shortened(`northern flotilla vessel ${number}`, fits));
+  assert.equal(one, "northe…sel 1");
+  assert.notEqual(one, two);
+  assert.equal(shortened("渡し船".repeat(9), fits).length, 12);
+  assert.equal(shortened("northern", () => false), "n…n");
+});
+
+test("a name beside a vehicle at the edge of the map stands within it, if any place does", () => {
+  const [out, inside] = [{ left: 390, top: 10, width: 60, height: 12 }, { left: 300, top: 10, width: 60, height: 12 }];
+  assert.deepEqual(insideFirst([out, inside], { width: 400, height: 300 }), [inside, out]);
 });

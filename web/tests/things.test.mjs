@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { moved } from "../src/edit/drag.ts";
+import { fieldsOf } from "../src/edit/fields.ts";
 import { handlesOf, nameOf, thingAt, vehicleAt } from "../src/edit/things.ts";
 
 function vehicle(name, index) {
@@ -25,4 +26,11 @@ test("what cannot be drawn, and the list as a whole, are no vehicle", () => {
   assert.equal(vehicleAt(VIEW, ["vehicles", 0]), null);
   assert.equal(vehicleAt(VIEW, ["vehicles"]), null);
   assert.equal(thingAt({ ...VIEW, vehicles: [] }, ["vehicles"]), null);
+});
+
+test("all that a scenario and its defaults say is shown, in words", () => {
+  const content = { keep: [], source: {}, covariance_samples: 40, defaults: { radius: 1, feedback: {}, control_sigmas: 4 } };
+  const [scenario, defaults] = fieldsOf(content, null).map(({ rows }) => rows.map(({ label }) => label));
+  assert.deepEqual(scenario.slice(-3), ["Ranges to keep", "Source", "Covariance samples"]);
+  assert.deepEqual(defaults.slice(-2), ["Feedback", "Control sigmas"]);
 });

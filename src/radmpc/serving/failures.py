@@ -5,7 +5,7 @@ from __future__ import annotations
 from radmpc.errors import RadmpcError
 from radmpc.serving.protocol import Failure, FailureKind, Path
 
-__all__ = ["CallError", "refused", "stale"]
+__all__ = ["CallError", "exists", "refused", "stale"]
 
 
 class CallError(RadmpcError):
@@ -14,7 +14,7 @@ class CallError(RadmpcError):
     Attributes
     ----------
     kind : str
-        `stale`, `refused`, `limit`, `gone` or `internal`.
+        `stale`, `refused`, `exists`, `limit`, `gone` or `internal`.
     path : sequence of str or int, or None
         The place in the document that it is about.
     """
@@ -40,6 +40,19 @@ def refused(text: str, path: Path | None = None) -> CallError:
         Where in the document.
     """
     return CallError("refused", text, path)
+
+
+def exists(path: str, also: str = "") -> CallError:
+    """Return the error of writing over a file that nobody asked to replace.
+
+    Parameters
+    ----------
+    path : str
+        As the page names it.
+    also : str
+        What else is known of it.
+    """
+    return CallError("exists", f"{path}: it is there already{also}")
 
 
 def stale(revision: int) -> CallError:

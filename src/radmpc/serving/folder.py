@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Literal
 
-from radmpc.serving.failures import refused
+from radmpc.serving.failures import exists, refused
 from radmpc.serving.protocol import FileEntry
 from radmpc.system.atomic import write_text
 
@@ -94,8 +94,10 @@ class Folder:
         place = self._inside(path, suffixes)
         if not place.parent.is_dir():
             raise refused(f"{path}: there is no such folder")
-        if place.exists() and (not overwrite or not place.is_file()):
-            raise refused(f"{path}: it is there already")
+        if place.exists() and not place.is_file():
+            raise refused(f"{path}: it is not a regular file")
+        if place.exists() and not overwrite:
+            raise exists(str(path))
         return place
 
     def name_of(self, place: Path) -> str:

@@ -81,7 +81,7 @@ EVENTS = ("document", "search", "plan", "flight", "tick", "judging")
 """Everything that the server tells unasked."""
 
 Content = Mapping[str, Any]
-FailureKind = Literal["stale", "refused", "limit", "gone", "internal"]
+FailureKind = Literal["stale", "refused", "exists", "limit", "gone", "internal"]
 
 
 class Failure(TypedDict):

@@ -73,7 +73,7 @@ function ofScenario(content: Document): readonly Group[] {
   const defaults = OF_VEHICLE.map(([key, label, unit]) => value(content, ["defaults", key], label, unit, undefined));
   return [
     { title: "Scenario", rows: [...rows, ...others(content, [], SHOWN_OF_SCENARIO)] },
-    { title: "Defaults of vehicles", rows: defaults },
+    { title: "Defaults of vehicles", rows: [...defaults, ...others(content, ["defaults"], SHOWN_OF_VEHICLE)] },
   ];
 }
 
@@ -146,7 +146,16 @@ function others(content: Document, path: Path, shown: ReadonlySet<string>): read
   if (!isMapping(own)) return [];
   return Object.keys(own)
     .filter((key) => !shown.has(key) && !key.startsWith("x-"))
-    .map((key) => row([...path, key], key.replaceAll("_", " "), "", "json", undefined));
+    .map((key) => row([...path, key], labelOf(key), "", "json", undefined));
+}
+
+/** Keys that say too little without their surroundings. */
+const WORDS: Readonly<Record<string, string>> = { for: "Only for", except: "Not for", keep: "Ranges to keep" };
+
+/** A key in words. */
+function labelOf(key: string): string {
+  const words = key.replaceAll("_", " ");
+  return WORDS[key] ?? `${words.charAt(0).toUpperCase()}${words.slice(1)}`;
 }
 
 function value(content: Document, path: Path, label: string, unit: string, otherwise: Json | undefined): Row {

@@ -7,9 +7,10 @@ import { call } from "../connection";
 import { KEYS } from "../edit/keyboard";
 import type { FileEntry } from "../protocol";
 import { document } from "../state/document";
-import { complain, hello, helpIsOpen } from "../state/session";
+import { complain, hello, helpIsOpen, notice } from "../state/session";
 import { JudgingLine } from "./judging";
-import { dialog, openPath, openTemplate, saveAs, switchTo, take } from "./saving";
+import { NoticeLine } from "./notice";
+import { dialog, openPath, openTemplate, saveAs, switchTo, take, unsaved } from "./saving";
 
 export function Dialogs() {
   return (
@@ -54,6 +55,7 @@ function OpenDialog() {
   const files = useSignal<readonly FileEntry[]>([]);
   const filter = useSignal("");
   useEffect(() => {
+    notice.value = null;
     call("files", {}).then((found) => (files.value = found), complain);
     call("hello", {}).then((now) => (hello.value = now), complain);
   }, []);
@@ -62,6 +64,7 @@ function OpenDialog() {
   const matching = files.value.filter((file) => file.path.toLowerCase().includes(wanted));
   return (
     <Modal title="Open" close={() => (dialog.value = null)}>
+      <NoticeLine />
       <JudgingLine />
       <section>
         <h3>New</h3>
@@ -142,14 +145,16 @@ function OpenDocuments() {
 function SaveDialog() {
   const state = document.value;
   const path = useSignal(state?.file ?? `${state?.view?.name ?? "scenario"}.yaml`);
-  const problem = useSignal<string | null>(null);
+  const problem = unsaved.value;
   const submit = async (overwrite: boolean) => {
-    const result = await saveAs(path.value, overwrite);
-    if (result === true) dialog.value = null;
-    else problem.value = result;
+    if (await saveAs(path.value, overwrite)) dialog.value = null;
+  };
+  const close = () => {
+    dialog.value = null;
+    unsaved.value = null;
   };
   return (
-    <Modal title="Save as" close={() => (dialog.value = null)}>
+    <Modal title="Save as" close={close}>
       <form
         onSubmit={(event) => {
           event.preventDefault();
@@ -161,20 +166,20 @@ function SaveDialog() {
           <input
             autofocus
             value={path.value}
-            aria-invalid={problem.value !== null}
+            aria-invalid={problem !== null}
             onInput={(event) => {
               path.value = event.currentTarget.value;
-              problem.value = null;
+              unsaved.value = null;
             }}
           />
         </label>
-        {problem.value !== null && (
+        {problem !== null && (
           <p class="remark error" role="alert">
-            {problem.value}
+            {problem.text}
           </p>
         )}
         <div class="buttons">
-          {problem.value !== null && (
+          {problem?.isThere === true && (
             <button type="button" onClick={() => void submit(true)}>
               Overwrite
             </button>

@@ -10,6 +10,15 @@ import { complain, tell } from "../state/session";
 /** Which dialog of files is open. */
 export const dialog = signal<"open" | "save" | null>(null);
 
+/** Why the document could not be saved, for the dialog that asks where else, or whether all the same. */
+export interface Unsaved {
+  readonly text: string;
+  /** A file of that name is there, and could be replaced. */
+  readonly isThere: boolean;
+}
+
+export const unsaved = signal<Unsaved | null>(null);
+
 /** Largest file that may be dropped [bytes]: the server takes no more. */
 const MAX_DROP = 4 * 1024 * 1024;
 
@@ -41,15 +50,16 @@ export async function switchTo(id: string): Promise<void> {
 export async function save(): Promise<void> {
   const state = document.peek();
   if (state === null) return;
-  if (state.file === null) dialog.value = "save";
-  else await saveAs(state.file, true);
+  // A file that somebody else has changed meanwhile is not replaced unasked.
+  if (state.file === null || !(await saveAs(state.file, false))) dialog.value = "save";
 }
 
-/** Save; true when done, else in words why not. */
-export async function saveAs(path: string, overwrite: boolean): Promise<true | string> {
+/** Save; whether it was done. Why not is kept in `unsaved`. */
+export async function saveAs(path: string, overwrite: boolean): Promise<boolean> {
   await settled();
   const state = document.peek();
-  if (state === null) return "nothing is open";
+  if (state === null) return false;
+  unsaved.value = null;
   try {
     const saved = await call("save", { document: state.document, path, overwrite });
     // Another may have been opened meanwhile.
@@ -57,8 +67,9 @@ export async function saveAs(path: string, overwrite: boolean): Promise<true | s
     tell(`Saved as ${path}`);
     return true;
   } catch (error) {
-    if (overwrite || !(error instanceof CallError)) complain(error);
-    return error instanceof Error ? error.message : String(error);
+    const text = error instanceof Error ? error.message : String(error);
+    unsaved.value = { text, isThere: error instanceof CallError && error.failure.kind === "exists" };
+    return false;
   }
 }
 

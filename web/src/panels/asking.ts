@@ -147,7 +147,7 @@ export async function exportPlan(plan: string, format: string): Promise<void> {
   link.download = file.name;
   link.click();
   URL.revokeObjectURL(link.href);
-  tell(`Exported ${file.name}`);
+  tell([`Exported ${file.name}`, ...file.warnings.map((warning) => `Warning: ${warning}`)].join(". "));
 }
 
 export async function runSimulation(plan: string, flights: number, seed: number): Promise<void> {

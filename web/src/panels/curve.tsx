@@ -13,6 +13,9 @@ export interface Line {
   readonly dashed?: boolean;
 }
 
+/** Half of the widest number with its unit, below the end of the axis [px]. */
+const HALF_NUMBER = 22;
+
 interface CurveProps {
   /** What it shows, for who does not see it: one sentence with its numbers. */
   readonly label: string;
@@ -83,7 +86,7 @@ function options(element: HTMLElement, latest: { readonly current: CurveProps })
   return {
     width: element.clientWidth,
     height: props.height,
-    padding: [6, 8, 0, 0],
+    padding: [6, HALF_NUMBER, 0, 0],
     legend: { show: false },
     cursor: { show: false },
     scales: {

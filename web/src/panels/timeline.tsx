@@ -131,7 +131,7 @@ function barsOf(risks: Readonly<Record<Cause, readonly number[]>>, horizon: numb
 }
 
 function label(risks: TimelineProps["risks"], horizon: number, replans: readonly number[]): string {
-  const planned = replans.length === 0 ? "" : `; planned anew at steps ${replans.join(", ")}`;
+  const planned = replans.length === 0 ? "" : `; planned anew at ${replans.length === 1 ? "step" : "steps"} ${replans.join(", ")}`;
   if (risks === null) return `Time of ${horizon} steps${planned}`;
   const totals = Array.from({ length: horizon + 1 }, (_, step) => CAUSES.reduce((total, cause) => total + (risks[cause][step] ?? 0), 0));
   const worst = totals.indexOf(Math.max(...totals));

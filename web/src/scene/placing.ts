@@ -39,6 +39,30 @@ function overlap(one: Spot, other: Spot): boolean {
   );
 }
 
+/** A text with as many letters left out of its middle as it takes to fit: names differ at their ends. */
+export function shortened(text: string, fits: (text: string) => boolean): string {
+  if (fits(text)) return text;
+  const letters = Array.from(new Intl.Segmenter().segment(text), ({ segment }) => segment);
+  const keeping = (count: number) => {
+    const front = Math.ceil(count / 2);
+    return `${letters.slice(0, front).join("").trimEnd()}…${letters.slice(letters.length - count + front).join("").trimStart()}`;
+  };
+  let [most, tooMany] = [2, letters.length];
+  while (tooMany - most > 1) {
+    const count = (most + tooMany) >> 1;
+    if (fits(keeping(count))) most = count;
+    else tooMany = count;
+  }
+  return keeping(most);
+}
+
+/** Places in an area [px], those first that are all within it. */
+export function insideFirst(spots: readonly Spot[], { width, height }: Pick<Spot, "width" | "height">): readonly Spot[] {
+  const isIn = (spot: Spot) =>
+    spot.left >= 0 && spot.top >= 0 && spot.left + spot.width <= width && spot.top + spot.height <= height;
+  return [...spots.filter(isIn), ...spots.filter((spot) => !isIn(spot))];
+}
+
 /** Places of a text around a disc: on its right, its left, above and below. */
 export function around(px: number, py: number, radius: number, width: number, height: number): readonly Spot[] {
   const [away, size] = [radius + 4, { width, height }];

@@ -12,10 +12,11 @@ import {
 
 import type { Box } from "../protocol";
 import type { Colors } from "../scene/colors";
-import { type Spot, Taken } from "../scene/placing";
+import { shortened, type Spot, Taken } from "../scene/placing";
 import { HIGH, type Mark, namePlaces } from "./naming";
 import { point, type Point } from "./types";
 
+const LONGEST = 32; // letters of a name; of more some are left out in its middle
 const MOST_NAMES = 200; // more would hide what they name, however near one comes
 
 /** Round numbers of a range, about `count` of them. */
@@ -91,7 +92,7 @@ export class Axes {
       this.#marks.push({ axis, value: null, label: this.#label(name, "space-axis") });
     }
     const shown = names.length <= MOST_NAMES ? names : [];
-    this.#names = shown.map((name) => this.#label(name, "space-name"));
+    this.#names = shown.map((name) => this.#label(shortened(name, ({ length }) => length <= LONGEST), "space-name"));
     this.group.add(this.#ground(colors));
   }
 

@@ -192,6 +192,7 @@ def _adopt(
     rest = left_of(state.plan.scenario, row.step, starts, row.leg.risk_bound, scale)
     rest = still_due(rest, state.leg, row.step)
     leg = leg_of(rest, row.leg.controls, row.step, scale)
+    _compare_means(state, leg, row, where)
     # Where it begins beside the measured state, the deviation is part of what it costs; and where
     # obstacles' places are not known, what was met before was charged to the leg before.
     begins &= not leg.witnesses.parties.are_hidden.any()
@@ -246,3 +247,15 @@ def _compare(
         if stated is None or due is None or abs(stated - due) > _LEAST + _TOLERANCE * abs(due):
             told = "nothing" if due is None else f"{due:.6g}"
             state.problems.append(f"{where}: states a {name} of {stated}, recomputed it is {told}")
+
+
+def _compare_means(state: Recomputation, leg: Leg, row: TickRow, where: str) -> None:
+    """Note a stated nominal that does not follow from what was known."""
+    if row.leg is None or row.leg.means is None:
+        return
+    for path, stated in zip(leg.plan.trajectories, row.leg.means, strict=True):
+        away = float(np.abs(path.means - stated).max())
+        if away > _LEAST + _TOLERANCE * float(np.abs(path.means).max()):
+            state.problems.append(
+                f"{where}: states a nominal of {path.name} that is {away:.3g} off, recomputed"
+            )

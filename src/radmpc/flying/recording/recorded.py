@@ -156,10 +156,13 @@ class RecordedMission(Mission):
     def _new_leg(self) -> NewLeg:
         """Return what distinguishes the leg in the air from any other."""
         plan = self._leg.plan
+        vehicles, paths = plan.scenario.vehicles, plan.trajectories
+        knows_more = any(vehicle.belief is not None for vehicle in vehicles)
         return NewLeg(
             plan.scenario.risk_bound,
-            tuple(v.start for v in plan.scenario.vehicles),
-            tuple(path.controls for path in plan.trajectories),
+            tuple(v.start for v in vehicles),
+            tuple(path.controls for path in paths),
+            tuple(path.means for path in paths) if knows_more else None,
         )
 
     def _take_up(self, plan: Plan, rows: Sequence[TickRow]) -> None:

@@ -91,16 +91,21 @@ def encode_row(row: TickRow) -> dict[str, object]:
         "bank": row.bank,
         "controls": _lists(row.controls),
         "excess": row.excess,
-        "leg": None
-        if leg is None
-        else {
-            "risk_bound": leg.risk_bound,
-            "starts": _lists(leg.starts),
-            "controls": _lists(leg.controls),
-        },
+        "leg": None if leg is None else _encoded_leg(leg),
         **scale,
         "alarms": list(row.alarms),
         "seconds": row.seconds,
+    }
+
+
+def _encoded_leg(leg: NewLeg) -> dict[str, object]:
+    """Return a leg as its row has it."""
+    means = {} if leg.means is None else {"means": _lists(leg.means)}
+    return {
+        "risk_bound": leg.risk_bound,
+        "starts": _lists(leg.starts),
+        "controls": _lists(leg.controls),
+        **means,
     }
 
 
@@ -187,14 +192,20 @@ def _vectors(rows: Sequence[Sequence[float]], sizes: Sequence[int], key: str) ->
 
 def _leg(spec: LegSpec, scenario: Scenario, left: int) -> NewLeg:
     """Return a leg of the steps that are left."""
-    vehicles = scenario.vehicles
-    if len(spec.controls) != len(vehicles):
-        raise ScenarioError(
-            f"must be of {len(vehicles)} vehicles, got {len(spec.controls)}", ("leg", "controls")
-        )
-    controls = tuple(
-        as_matrix(rows, (left, vehicle.system.num_controls), ("leg", "controls", i))
-        for i, (rows, vehicle) in enumerate(zip(spec.controls, vehicles, strict=True))
+    systems = [vehicle.system for vehicle in scenario.vehicles]
+    sizes, inputs = [s.num_states for s in systems], [s.num_controls for s in systems]
+    controls = _matrices(spec.controls, left, inputs, "controls")
+    means = None if spec.means is None else _matrices(spec.means, left + 1, sizes, "means")
+    return NewLeg(spec.risk_bound, _vectors(spec.starts, sizes, "leg"), controls, means)
+
+
+def _matrices(
+    given: Sequence[Sequence[Sequence[float]]], steps: int, sizes: Sequence[int], key: str
+) -> tuple[Matrix, ...]:
+    """Return one matrix per vehicle, of a leg."""
+    if len(given) != len(sizes):
+        raise ScenarioError(f"must be of {len(sizes)} vehicles, got {len(given)}", ("leg", key))
+    return tuple(
+        as_matrix(rows, (steps, size), ("leg", key, i))
+        for i, (rows, size) in enumerate(zip(given, sizes, strict=True))
     )
-    sizes = [v.system.num_states for v in vehicles]
-    return NewLeg(spec.risk_bound, _vectors(spec.starts, sizes, "leg"), controls)

@@ -45,6 +45,7 @@ class LegSpec(FileModel):
     risk_bound: Share
     starts: list[list[Finite]]
     controls: list[FiniteMatrix]
+    means: list[FiniteMatrix] | None = None
 
 
 class ScaleSpec(FileModel):

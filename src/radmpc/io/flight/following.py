@@ -47,7 +47,8 @@ def followed(record: FlightRecord, mission: FlownMission) -> tuple[Followed, ...
     for row in mission.rows:
         if row.leg is not None:
             legs = zip(vehicles, row.leg.starts, row.leg.controls, strict=True)
-            paths = [rollout(v.system, x, u, v.drift) for v, x, u in legs]
+            without = (rollout(v.system, x, u, v.drift) for v, x, u in legs)
+            paths = list(without if row.leg.means is None else row.leg.means)
             begun = row.step
         found.append(Followed(row, tuple(path[row.step - begun :] for path in paths)))
     return tuple(found)

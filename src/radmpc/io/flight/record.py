@@ -111,11 +111,15 @@ class NewLeg:
         Where its nominal begins.
     controls : tuple of (T − k, m) array
         Its nominal controls.
+    means : tuple of (T − k + 1, n) array, or None
+        Its nominal, where that does not follow from starts and controls alone: what was known of
+        disturbances that last, or are shared, adds to it.
     """
 
     risk_bound: float
     starts: tuple[Vector, ...]
     controls: tuple[Matrix, ...]
+    means: tuple[Matrix, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""The rows of a ledger's picture: names and numbers. No matplotlib."""
+"""The rows of a ledger's picture: names and numbers."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.model.ledger import CAUSES, Hazard, hazards, risk_by_vehicle
 from radmpc.model.plan import Plan
+from radmpc.plotting.canvas.letters import shortened
 
 __all__ = ["MAX_ROWS", "map_rows", "share_rows"]
 
@@ -14,7 +15,7 @@ MAX_ROWS = 20
 """Rows of the map, and bars, that are drawn; the rest shares one."""
 
 _MAX_NAME = 12
-"""Letters of a vehicle's or an obstacle's name; longer ones are cut."""
+"""Letters of a vehicle's or an obstacle's name; longer ones are shortened in the middle."""
 
 
 def map_rows(plan: Plan, decades: int) -> tuple[list[str], Matrix]:
@@ -63,7 +64,8 @@ def share_rows(plan: Plan) -> tuple[list[str], Matrix]:
     table = risk_by_vehicle(plan.risk.ledger, [v.name for v in plan.scenario.vehicles])
     ordered = sorted(table, key=lambda name: sum(table[name].values()), reverse=True)
     shares = np.array([[table[name][cause] for cause in CAUSES] for name in ordered])
-    return _with_rest([_short(name) for name in ordered[:MAX_ROWS]], shares / plan.risk.bound)
+    names = [shortened(name, _MAX_NAME) for name in ordered[:MAX_ROWS]]
+    return _with_rest(names, shares / plan.risk.bound)
 
 
 def _with_rest(names: list[str], values: Matrix) -> tuple[list[str], Matrix]:
@@ -78,17 +80,13 @@ def _with_rest(names: list[str], values: Matrix) -> tuple[list[str], Matrix]:
 
 def _cause_name(hazard: Hazard) -> str:
     """Return which vehicle may hit what, in a few letters."""
-    vehicle = _short(hazard.vehicle)
+    vehicle = shortened(hazard.vehicle, _MAX_NAME)
     if hazard.cause == "workspace":
         return f"{vehicle}, workspace"
     if hazard.other is None:
         return f"{vehicle}, far {hazard.cause}s"
+    other = shortened(hazard.other, _MAX_NAME)
     if hazard.cause == "range":
-        return f"{vehicle} – {_short(hazard.other)}, range"
+        return f"{vehicle} – {other}, range"
     link = " – " if hazard.cause == "pair" else ", "
-    return f"{vehicle}{link}{_short(hazard.other)}"
-
-
-def _short(name: str) -> str:
-    """Return a name that leaves room for the picture."""
-    return name if len(name) <= _MAX_NAME else f"{name[: _MAX_NAME - 1]}…"
+    return f"{vehicle}{link}{other}"

@@ -8,7 +8,7 @@ from typing import Any
 
 from radmpc.errors import RadmpcError
 from radmpc.serving.desk import arguments as given
-from radmpc.serving.desk import files
+from radmpc.serving.desk import exporting, files
 from radmpc.serving.desk.desk import Desk
 from radmpc.serving.desk.judging import stop_judging
 from radmpc.serving.documents.content import check_changes
@@ -87,7 +87,7 @@ def _choices() -> tuple[object, object]:
 
     presets = sorted(PRESETS.values(), key=lambda preset: preset.name != DEFAULT)
     planners = [{"name": preset.name, "text": preset.summary} for preset in presets]
-    return planners, files.exports()
+    return planners, exporting.exports()
 
 
 async def _state(desk: Desk, args: Args) -> object:
@@ -246,7 +246,7 @@ _CALLS: Mapping[str, Callable[[Desk, Args], Awaitable[object]]] = {
     "undo": _undo,
     "redo": _redo,
     "save": files.saved,
-    "export": files.exported,
+    "export": exporting.exported,
     "why": _why,
     "plan": _plan,
     "stop": _stop,

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import base64
-import io
 import tempfile
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from radmpc.errors import ScenarioError
 from radmpc.io.text.yaml_text import read_yaml
 from radmpc.model.plan import Plan
 from radmpc.serving.desk import arguments as given
@@ -22,7 +18,7 @@ from radmpc.serving.desk.things import Changed
 from radmpc.serving.documents import templates as kinds
 from radmpc.serving.documents.document import Document
 from radmpc.serving.documents.text import Original, text_of
-from radmpc.serving.failures import refused
+from radmpc.serving.failures import exists, refused
 from radmpc.serving.folder import CHARTS, FLIGHTS, SCENARIOS
 from radmpc.serving.protocol import Named
 
@@ -30,8 +26,6 @@ __all__ = [
     "begun",
     "check_log",
     "dropped",
-    "exported",
-    "exports",
     "flight_options",
     "listed",
     "opened",
@@ -50,24 +44,10 @@ _MOST_DROPPED = 4 * 2**20
 _IMPORT_SECONDS = 60.0
 """Seconds that a chart may take [s]."""
 
-_EXPORTS = {
-    "geojson": "GeoJSON: paths, goals and obstacles on a map",
-    "kml": "KML: the same for Google Earth, with times",
-    "csv": "Table: every vehicle at every step",
-    "mcap": "MCAP: ROS 2 paths and markers",
-    "qgc": "QGroundControl: a mission for each vehicle",
-    "waypoints": "Waypoints: a mission for each vehicle, as MAVLink text",
-}
-
 
 def templates() -> list[Named]:
     """Return the scenarios to begin with."""
     return kinds.templates()
-
-
-def exports() -> list[Named]:
-    """Return the formats that plans are written in."""
-    return [{"name": name, "text": text} for name, text in _EXPORTS.items()]
 
 
 async def listed(desk: Desk, args: Args) -> object:
@@ -194,7 +174,7 @@ def _place_of(desk: Desk, document: Document, path: str, *, overwrite: bool) -> 
     is_its_own = document.file == path
     place = desk.folder.writable(path, *SCENARIOS, overwrite=overwrite or is_its_own)
     if not overwrite and place.exists() and desk.folder.digest(place) != document.digest:
-        raise refused(f"{path}: it is there already, and has changed since it was read")
+        raise exists(path, ", and has changed since it was read")
     return place
 
 
@@ -216,43 +196,6 @@ def _plan_text(plan: Plan) -> str:
     from radmpc.io.text.json_text import write_json  # noqa: PLC0415 - after the first answer
 
     return write_json(encode_plan(plan))
-
-
-async def exported(desk: Desk, args: Args) -> object:
-    """Return a plan in another format: one file, or several in an archive."""
-    kept = desk.plan(given.text(args, "plan"))
-    kind = given.text(args, "format")
-    if kind not in _EXPORTS:
-        raise refused(f"format must be one of {', '.join(_EXPORTS)}")
-    try:
-        name, content = await asyncio.to_thread(_export, kept.plan, kind)
-    except ScenarioError as error:
-        if error.path != ("origin",):
-            raise
-        raise refused(
-            f"{kind} needs the plan's place on earth: state it in the scenario's file as "
-            "'source: {origin: {latitude: …, longitude: …}}', or save the plan and use "
-            "radmpc export --origin"
-        ) from error
-    return {"name": name, "base64": base64.b64encode(content).decode("ascii")}
-
-
-def _export(plan: Plan, kind: str) -> tuple[str, bytes]:
-    """Return the name and the content of an export."""
-    from radmpc.io.export.exporting import export_plan  # noqa: PLC0415 - few are asked for
-    from radmpc.io.export.names import file_part  # noqa: PLC0415 - few are asked for
-
-    suffix = {"qgc": "plan"}.get(kind, kind)
-    stem = file_part(plan.scenario.name) or "plan"
-    made = export_plan(plan, kind, f"{stem}.{suffix}")
-    files = {path.name: content for path, content in made.files.items()}
-    if len(files) == 1:
-        return next(iter(files.items()))
-    archive = io.BytesIO()
-    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
-        for name, content in files.items():
-            packed.writestr(name, content)
-    return f"{stem}.{kind}.zip", archive.getvalue()
 
 
 def flight_options(desk: Desk, options: Mapping[str, Any]) -> dict[str, object]:

@@ -4,7 +4,7 @@ import type { ObstacleView } from "../../protocol";
 import type { Camera } from "../camera";
 import type { Frame, Layer } from "../frame";
 import { isInside, num, shapeOf } from "../geometry";
-import { around, type Spot, Taken } from "../placing";
+import { around, insideFirst, shortened, type Spot, Taken } from "../placing";
 import { rangeColor, rangesOf } from "./ranges";
 import { radiusOf, vehiclePixels } from "./vehicles";
 
@@ -13,6 +13,9 @@ const MAX_NAMES = 40;
 
 /** Room on the map that each of many has at least: less, and names would cover it [px²]. */
 const ROOM = 4000;
+
+/** Part of the map's width that a vehicle's name takes at most: so it fits on one of its sides. */
+const WIDEST = 0.4;
 
 const HIGH = 12; // of a text [px]
 const SHORT = 60; // of a line between two without a text [px]
@@ -58,9 +61,10 @@ function nameVehicles(ctx: CanvasRenderingContext2D, frame: Frame, pixels: Float
   if (seen.length > MAX_NAMES && seen.length * ROOM > camera.width * camera.height) return;
   ctx.fillStyle = colors.text;
   for (const i of seen) {
-    const text = named[i]?.name ?? "";
+    const text = shortened(named[i]?.name ?? "", (name) => ctx.measureText(name).width <= WIDEST * camera.width);
     const radius = Math.max(radiusOf(frame, i), 4);
-    const spots = around(num(pixels, 2 * i), num(pixels, 2 * i + 1), radius, ctx.measureText(text).width, HIGH);
+    const beside = around(num(pixels, 2 * i), num(pixels, 2 * i + 1), radius, ctx.measureText(text).width, HIGH);
+    const spots = insideFirst(beside, camera);
     const spot = taken.claim(spots) ?? (seen.length <= MAX_NAMES ? spots[0] : undefined);
     write(ctx, text, spot);
   }
