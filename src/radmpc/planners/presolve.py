@@ -13,6 +13,7 @@ from radmpc.planners.endpoints.screening import are_surely_harmless
 from radmpc.planners.shared_reasons import (
     ROUNDING,
     endpoint_sentences,
+    goal_sentence,
     range_sentences,
     visit_sentences,
 )
@@ -241,7 +242,8 @@ def endpoint_reasons(scenario: Scenario, floors: Floors) -> list[Reason]:
             risk = float(floors.vehicles[i, int(at_goal)])
             if risk > threshold:
                 own = _own(hazards, i, at_goal=at_goal)
-                reasons.append(Reason((i,), endpoints_text(scenario, own, risk)))
+                tell = goal_sentence if at_goal and len(own) > 1 else endpoints_text
+                reasons.append(Reason((i,), tell(scenario, own, risk)))
     if reasons:
         return reasons
     ranked = tuple(sorted(hazards, key=lambda hazard: -hazard.risk))

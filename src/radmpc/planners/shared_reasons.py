@@ -22,7 +22,13 @@ if TYPE_CHECKING:
     from radmpc.planners.endpoints.visiting import RiskyVisit
     from radmpc.program.condensed import CondensedModel
 
-__all__ = ["ROUNDING", "endpoint_sentences", "range_sentences", "visit_sentences"]
+__all__ = [
+    "ROUNDING",
+    "endpoint_sentences",
+    "goal_sentence",
+    "range_sentences",
+    "visit_sentences",
+]
 
 ROUNDING = 1e-6
 """Share of Δ by which a risk must exceed it to count as above [-]: the error of the integrals."""
@@ -120,8 +126,37 @@ def _visit_text(scenario: Scenario, found: RiskyVisit) -> str:
             f"{head} lies within obstacle {found.within!r} grown by the vehicle's radius of "
             f"{vehicle.radius:g} m ({risk})."
         )
+    return _too_close(head, found.hazards, risk)
+
+
+def goal_sentence(scenario: Scenario, hazards: Sequence[EndpointHazard], risk: float) -> str:
+    """Return why a goal is above Δ that is so by nothing alone: what it is near is so together.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    hazards : sequence of EndpointHazard
+        What the goal of one vehicle is near, other vehicles aside. Each has a best point of its
+        own, so that they may risk much less than the sum at any one point.
+    risk : float
+        Of all of them at the best point [-].
+
+    Returns
+    -------
+    str
+        A sentence.
+    """
+    bound, (i,) = scenario.risk_bound, hazards[0].members
+    head = f"The goal of vehicle {scenario.vehicles[i].name!r}"
+    told = f"a risk of {rounded(risk, bound)}, above risk_bound {bound:g}"
+    return _too_close(head, hazards, told)
+
+
+def _too_close(head: str, hazards: Sequence[EndpointHazard], risk: str) -> str:
+    """Return the sentence about a box that is near several things at once."""
     names = ["the workspace border" if one.other is None else f"obstacle {one.other!r}"
-             for one in found.hazards]  # fmt: skip
+             for one in hazards]  # fmt: skip
     return f"{head} is too close to {listed(names)}: even its best point runs {risk}."
 
 

@@ -86,13 +86,15 @@ def floor_of(scenario: Scenario, models: Sequence[CondensedModel], i: int) -> fl
     Returns
     -------
     float
-        Sum over all that `floors` names for it [-].
+        Of its start and of its goal, each at its best point for all that it is near, and of its
+        pairs with others [-].
     """
-    return sum(
-        hazard.risk
-        for at_goal in (False, True)
-        for hazard in _hazards(scenario, models, at_goal=at_goal, only=i)[0]
-    )
+    risked = 0.0
+    for at_goal in (False, True):
+        hazards, least = _hazards(scenario, models, at_goal=at_goal, only=i)
+        # Between two walls each has a best point of its own: the sum of both is at neither.
+        risked += float(least[i]) + sum(h.risk for h in hazards if h.cause == "pair")
+    return risked
 
 
 def start_hazards(
