@@ -62,7 +62,7 @@ def test_two_that_end_side_by_side_get_noise_that_fits_between_their_goals(tmp_p
     assert "less for" not in import_scenario(far).choices["noise"]
 
 
-def test_many_that_start_near_each_other_get_noise_that_leaves_a_plan(tmp_path: Path) -> None:
+def test_many_that_start_near_each_other_get_noise_that_rules_out_no_plan(tmp_path: Path) -> None:
     # Each two next to each other are 2.6 deviations apart at first, a risk of 0.0045.
     apart = 2.0 * RADIUS + 0.042
     starts = [(1.0 + apart * i, 1.0) for i in range(8)] + [
