@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from radmpc import ImportOptions, certify, import_scenario
+from radmpc.planners.presolve import sure_reasons
+from radmpc.program.build import condensed_models
 from running import first_plan
 
 RADIUS = 0.4
@@ -58,6 +60,22 @@ def test_two_that_end_side_by_side_get_noise_that_fits_between_their_goals(tmp_p
     assert "less for 'robot0', 'robot1'" in imported.choices["noise"]
     far = spheres(tmp_path, [(2.0, 2.0), (2.0, 6.0)], [(8.0, 2.0), (8.0, 6.0)])
     assert "less for" not in import_scenario(far).choices["noise"]
+
+
+def test_many_that_start_near_each_other_get_noise_that_rules_out_no_plan(tmp_path: Path) -> None:
+    # Each two next to each other are 2.6 deviations apart at first, a risk of 0.0045.
+    apart = 2.0 * RADIUS + 0.042
+    starts = [(1.0 + apart * i, 1.0) for i in range(8)] + [
+        (1.0 + apart * i, 1.0 + apart) for i in range(8)
+    ]
+    goals = [(1.0 + 1.2 * i, 6.0) for i in range(8)] + [(1.0 + 1.2 * i, 9.0) for i in range(8)]
+    file = spheres(tmp_path, starts, goals)
+    imported = import_scenario(file)
+    scenario = imported.scenario
+    assert not sure_reasons(scenario, condensed_models(scenario))
+    assert "less for 16 vehicles" in imported.choices["noise"]
+    few = spheres(tmp_path, starts[:2], goals[:2])
+    assert "less for" not in import_scenario(few).choices["noise"]
 
 
 def test_noise_that_is_asked_for_is_not_made_to_fit_between_two(tmp_path: Path) -> None:

@@ -51,6 +51,20 @@ def test_a_mission_says_that_its_trees_and_walls_are_not_read(name: str) -> None
     assert imported.scenario.obstacles == ()
 
 
+def test_a_mission_of_swarm_simulator_keeps_the_radii_of_its_agents(tmp_path: Path) -> None:
+    agents = [
+        {"name": "small", "start": [0.0, 0.0, 1.0], "goal": [2.0, 0.0, 1.0], "radius": 0.3},
+        {"name": "small", "start": [2.0, 2.0, 1.0], "goal": [0.0, 2.0, 1.5]},
+    ]
+    content = mission(agents=agents)
+    del content["world"], content["obstacles"]
+    imported = import_scenario(written(tmp_path, content))
+    assert [v.radius for v in imported.scenario.vehicles] == [0.3, 0.2]
+    assert imported.choices["radius"] == "from the mission's agents and quadrotors"
+    assert imported.scenario.workspace is None
+    assert imported.warnings[1].startswith("the file states no world: ")
+
+
 @pytest.mark.slow
 def test_a_published_mission_is_planned_within_the_bound() -> None:
     imported = import_scenario(FOLDER / "multi_simple4.json")
@@ -69,6 +83,18 @@ def test_a_published_mission_is_planned_within_the_bound() -> None:
         (
             {"agents": [{"type": "big", "start": [0, 0, 1], "goal": [1, 0, 1]}]},
             "must be one of small, got 'big'",
+        ),
+        (
+            {"agents": [{"name": "big", "start": [0, 0, 1], "goal": [1, 0, 1]}]},
+            r"agents\[0\].name: must be one of small, got 'big'",
+        ),
+        (
+            {"agents": [{"start": [0, 0, 1], "goal": [1, 0, 1]}]},
+            r"agents\[0\].type: is required",
+        ),
+        (
+            {"agents": [{"type": "small", "radius": -1, "start": [0, 0, 1], "goal": [1, 0, 1]}]},
+            r"agents\[0\].radius: must be > 0",
         ),
         (
             {"agents": [{"type": "small", "start": [0, 0], "goal": [1, 0, 1]}]},

@@ -75,10 +75,21 @@ def test_the_radius_that_is_told_covers_the_published_hull_at_any_angle(
     )
 
 
-@pytest.mark.parametrize("kind", ["single_integrator_0", "integrator2_2d_v0"])
+@pytest.mark.parametrize("kind", ["single_integrator_0", "integrator1_2d_v0"])
 def test_a_published_disc_is_replaced_by_none(tmp_path: Path, kind: str) -> None:
     imported = import_scenario(written(tmp_path, typed(kind)))
     assert imported.warnings == (f"flown as double integrators from their positions: {kind}",)
+    assert imported.scenario.vehicles[0].radius == 0.1
+
+
+@pytest.mark.parametrize("kind", ["double_integrator_0", "integrator2_2d_v0", "Integrator2_2d_v0"])
+def test_a_double_integrator_keeps_its_velocities_whatever_it_is_called(
+    tmp_path: Path, kind: str
+) -> None:
+    text = typed(kind).replace("start: [1, 1, 0, 0]", "start: [1, 1, 0.4, -0.1]")
+    imported = import_scenario(written(tmp_path, text))
+    assert imported.warnings == ()
+    assert imported.scenario.vehicles[0].start.tolist() == [1, 1, 0.4, -0.1]
     assert imported.scenario.vehicles[0].radius == 0.1
 
 

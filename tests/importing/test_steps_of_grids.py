@@ -35,3 +35,11 @@ def test_many_who_go_around_obstacles_get_time_for_each_other(tmp_path: Path) ->
     # The vehicle of the longest way is the same: both last a multiple of its time.
     ratio = (many.dt * many.horizon) / (few.dt * few.horizon)
     assert ratio == pytest.approx(1.6 / 1.3, rel=0.01)
+
+
+def test_steps_around_obstacles_are_short_enough_for_corners(tmp_path: Path) -> None:
+    # A wall across all but one row makes the way of a few twice as long.
+    scenario = imported(tmp_path, 2, 48)
+    stride = scenario.dt * float(scenario.vehicles[0].speed_limit[0])
+    assert stride <= 8.0 * scenario.vehicles[0].radius
+    assert 30 < scenario.horizon <= 72

@@ -100,9 +100,9 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
         problem = fit_hulls(problem, spaces, choices, warnings)
     paths = free_paths(problem, spaces, warnings)
     dt, horizon = choose_steps(problem.vehicles, paths, options, choices, warnings)
-    noises = _noises(problem, paths, dt, horizon, options, choices)
-    workspace = _workspace(problem, noises, choices, warnings)
     risk_bound = _RISK_BOUND if options.risk_bound is None else float(options.risk_bound)
+    noises = _noises(problem, paths, (dt, horizon), risk_bound, options, choices)
+    workspace = _workspace(problem, noises, choices, warnings)
     choices["risk bound"] = f"{risk_bound:g}" + (" (as asked)" if options.risk_bound else "")
     avoidance = options.chosen_avoidance
     choices["avoidance"] = avoidance
@@ -158,13 +158,14 @@ def _chosen(
 def _noises(
     problem: ForeignProblem,
     paths: list[FreePath],
-    dt: float,
-    horizon: int,
+    steps: tuple[float, int],
+    risk_bound: float,
     options: ImportOptions,
     choices: dict[str, str],
 ) -> list[Noise]:
     """Return the vehicles' noise: the usual one, or less where the path is narrow."""
     noises, narrowest = [], math.inf
+    dt, horizon = steps
     for vehicle, path in zip(problem.vehicles, paths, strict=True):
         noise = choose_noise(vehicle, dt, horizon, options)
         most = path.clearance / _CLEARANCE_SIGMAS
@@ -173,7 +174,7 @@ def _noises(
             noise = choose_noise(vehicle, dt, horizon, replace(options, noise=std))
             narrowest = min(narrowest, path.clearance)
         noises.append(noise)
-    noises, close = fit_ends(problem.vehicles, noises, _GOAL_HALF_WIDTH, (dt, horizon), options)
+    noises, close = fit_ends(problem.vehicles, noises, _GOAL_HALF_WIDTH, steps, options, risk_bound)
     choices["noise"] = describe_noise(problem.vehicles, noises, options)
     if narrowest < math.inf:
         choices["noise"] += (

@@ -37,11 +37,18 @@ _SPEED_LIMIT = 0.5
 _CONTROL_LIMIT = 2.0
 """Largest acceleration per axis [m/s²], of the same."""
 
+_DOUBLE_INTEGRATOR = r"[Ii]ntegrator2_[23]d(_v\d+)?"
+"""What dynobench itself calls them; its older models begin with a capital."""
+
 _BOX = "their boxes of 0.5 x 0.25 m"
 """Hull of most unicycles and cars."""
 
 _HULLS: tuple[tuple[str, float, str], ...] = (
-    (r"(single|double)_integrator(_[23]d)?(_\d+)?|integrator[12]_[23]d(_v\d+)?", 0.1, ""),
+    (
+        rf"(single|double)_integrator(_[23]d)?(_\d+)?|integrator1_2d(_v\d+)?|{_DOUBLE_INTEGRATOR}",
+        0.1,
+        "",
+    ),
     (r"unicycle_first_order(_\d+)?_sphere|unicycle1_sphere(_v\d+)?", 0.4, ""),
     # Half the diagonal, rounded up: it covers the box at any angle.
     (
@@ -205,8 +212,10 @@ def _limits_reason() -> str:
 
 
 def _is_integrator(robot: _Robot) -> bool:
-    """Whether a robot is a double integrator already."""
-    return robot.type.startswith("double_integrator")
+    """Whether a robot is a double integrator already, by the name of db-CBS or of dynobench."""
+    return robot.type.startswith("double_integrator") or bool(
+        re.fullmatch(_DOUBLE_INTEGRATOR, robot.type)
+    )
 
 
 def _workspace(environment: _Environment) -> Workspace:

@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.gaussian import clearance, tail_probability
 from radmpc.importing.noise import Noise, choose_noise
 from radmpc.importing.options import ImportOptions
 from radmpc.importing.problem import ForeignVehicle
@@ -23,6 +24,10 @@ _TOO_NEAR = 2.0
 _SIGMAS = 4.0
 """Standard deviations that it then leaves between them: 3e-5."""
 
+_MOST_RISK = 0.5
+"""Share of the risk bound that starts and goals may use together, however far apart each two are.
+Above it the noise of all who have less than `_SIGMAS` between them is reduced."""
+
 
 def fit_ends(
     vehicles: Sequence[ForeignVehicle],
@@ -30,6 +35,7 @@ def fit_ends(
     goal_half_width: float,
     steps: tuple[float, int],
     options: ImportOptions,
+    risk_bound: float,
 ) -> tuple[list[Noise], list[str]]:
     """Return less noise for those who start or end so close together that it alone rules out plans.
 
@@ -45,6 +51,8 @@ def fit_ends(
         Step [s], and their number.
     options : ImportOptions
         Noise that is asked for stays as it is.
+    risk_bound : float
+        That of the scenario [-].
 
     Returns
     -------
@@ -65,8 +73,13 @@ def fit_ends(
         starts = np.array([v.start for v in vehicles])
         goals = np.array([v.goal for v in vehicles])
         stds = np.array([(noise.std, noise.final) for noise in noises])
-        _reduce(shares, starts, np.zeros_like(starts), radii, stds[:, 0])
-        _reduce(shares, goals, np.array(half), radii, stds[:, 1])
+        ends = (
+            _Clearances(starts, np.zeros_like(starts), radii, stds[:, 0]),
+            _Clearances(goals, np.array(half), radii, stds[:, 1]),
+        )
+        is_risky = sum(end.risk() for end in ends) > _MOST_RISK * risk_bound
+        for end in ends:
+            end.reduce(shares, _SIGMAS if is_risky else _TOO_NEAR)
     found, names = list(noises), []
     for i in np.flatnonzero(shares < 1.0).tolist():
         std = rounded_down(noises[i].std * float(shares[i]), 3)
@@ -75,12 +88,35 @@ def fit_ends(
     return found, names
 
 
-def _reduce(shares: Matrix, places: Matrix, half: Matrix, radii: Matrix, stds: Matrix) -> None:
-    """Lower the shares of the noise of all who are too close to each other at places."""
-    reach = 2.0 * (radii.max() + math.sqrt(2.0) * stds.max() + np.linalg.norm(half, axis=1).max())
-    for i, j in near_pairs(places, float(reach)).tolist():
+class _Clearances:
+    """Those of hulls that are next to each other at their places: starts, or goals.
+
+    Attributes
+    ----------
+    pairs : (P, 2) int array
+        Who; pairs that overlap are left out.
+    sigmas : (P,) array
+        Clearance between the two [standard deviations].
+    """
+
+    def __init__(self, places: Matrix, half: Matrix, radii: Vector, stds: Vector) -> None:
+        reach = 2.0 * (radii.max() + np.linalg.norm(half, axis=1).max())
+        reach += _SIGMAS * math.sqrt(2.0) * stds.max()
+        pairs = near_pairs(places, float(reach))
+        i, j = pairs.T
         # Boxes around goals let the means keep as far from each other as their far sides.
-        apart = float(np.linalg.norm(np.abs(places[i] - places[j]) + half[i] + half[j]))
-        room, spread = apart - radii[i] - radii[j], math.hypot(stds[i], stds[j])
-        if 0.0 < room < _TOO_NEAR * spread:
-            shares[[i, j]] = np.minimum(shares[[i, j]], room / (_SIGMAS * spread))
+        apart = np.linalg.norm(np.abs(places[i] - places[j]) + half[i] + half[j], axis=1)
+        slacks = apart - radii[i] - radii[j]
+        is_free = slacks > 0.0
+        self.pairs: Indices = pairs[is_free]
+        self.sigmas: Vector = clearance(slacks, np.hypot(stds[i], stds[j]))[is_free]
+
+    def risk(self) -> float:
+        """Return what pairs that are not too near risk in sum."""
+        return float(tail_probability(self.sigmas[self.sigmas >= _TOO_NEAR]).sum())
+
+    def reduce(self, shares: Vector, limit: float) -> None:
+        """Lower the shares of the noise of all who have less between them than a limit."""
+        for (i, j), sigmas in zip(self.pairs.tolist(), self.sigmas.tolist(), strict=True):
+            if sigmas < limit:
+                shares[[i, j]] = np.minimum(shares[[i, j]], sigmas / _SIGMAS)

@@ -1,4 +1,8 @@
-"""Missions of the LSC planner: JSON with ``quadrotors``, ``world`` and ``agents``."""
+"""Missions of the LSC planner: JSON with ``quadrotors``, ``world`` and ``agents``.
+
+Those of swarm_simulator, by the same group, are read too: they state no world, an agent's ``name``
+is its type, and it may have a radius of its own.
+"""
 
 from __future__ import annotations
 
@@ -32,6 +36,13 @@ _NO_WORLD = (
 """Said of every mission: none states which octomap it is flown in."""
 
 
+_NO_ROOM = (
+    "the file states no world: its bounds, and the downwash, are named where it is launched; the "
+    "workspace is unbounded"
+)
+"""Said of missions of swarm_simulator."""
+
+
 class _Quadrotor(ForeignModel):
     """A type of agent. Downwash is ignored with a warning."""
 
@@ -48,9 +59,11 @@ class _World(ForeignModel):
 
 
 class _Agent(ForeignModel):
-    """An agent, at rest at both ends."""
+    """An agent, at rest at both ends; its own radius replaces its type's."""
 
-    type: Text
+    type: Text | None = None
+    name: Text | None = None
+    radius: Number | None = None
     start: Numbers
     goal: Numbers
 
@@ -59,7 +72,7 @@ class _File(ForeignModel):
     """A whole mission."""
 
     quadrotors: dict[str, _Quadrotor]
-    world: list[_World] = Field(min_length=1)
+    world: list[_World] | None = Field(default=None, min_length=1)
     agents: list[_Agent]
     obstacles: list[object] = Field(default_factory=list)
 
@@ -92,28 +105,48 @@ def read_lsc(document: Document) -> ForeignProblem:
             f"{len(file.obstacles)}",
             ("obstacles",),
         )
-    if len(file.world) != 1:
+    if file.world is not None and len(file.world) != 1:
         raise ScenarioError(f"must hold one box, got {len(file.world)}", ("world",))
-    used = sorted({agent.type for agent in file.agents} & file.quadrotors.keys())
-    washed = [name for name in used if file.quadrotors[name].downwash != 1.0]
-    warnings = [_NO_WORLD]
-    if washed:
-        warnings.append(
-            "downwash is ignored, hulls are spheres: keep vehicles at different heights "
-            f"apart otherwise ({', '.join(washed)})"
-        )
     return ForeignProblem(
         name=Path(document.name).stem,
         format="LSC",
         file=Path(document.name).name,
         vehicles=tuple(_vehicle(i, agent, file) for i, agent in enumerate(file.agents)),
-        workspace=_workspace(file.world[0].dimension),
+        workspace=None if file.world is None else _workspace(file.world[0].dimension),
         reasons=(
-            ("radius", "from the mission's quadrotors"),
+            ("radius", _radius_reason(file.agents)),
             ("limits", "max_vel and max_acc of the mission's quadrotors, the least of the axes"),
         ),
-        warnings=tuple(warnings),
+        warnings=tuple(_warnings(file)),
     )
+
+
+def _warnings(file: _File) -> list[str]:
+    """Return where the problem differs from its mission."""
+    warnings = [_NO_WORLD]
+    if file.world is None:
+        warnings.append(_NO_ROOM)
+    used = sorted({_type(agent) for agent in file.agents} & file.quadrotors.keys())
+    washed = [name for name in used if file.quadrotors[name].downwash != 1.0]
+    if washed:
+        warnings.append(
+            "downwash is ignored, hulls are spheres: keep vehicles at different heights "
+            f"apart otherwise ({', '.join(washed)})"
+        )
+    return warnings
+
+
+def _type(agent: _Agent) -> str:
+    """Return the name of an agent's type, nothing if it states none."""
+    return agent.type or agent.name or ""
+
+
+def _radius_reason(agents: list[_Agent]) -> str:
+    """Return where the radii are from."""
+    own = sum(agent.radius is not None for agent in agents)
+    if own == len(agents):
+        return "from the mission's agents"
+    return "from the mission's agents and quadrotors" if own else "from the mission's quadrotors"
 
 
 def _workspace(dimension: Numbers) -> Workspace:
@@ -129,13 +162,19 @@ def _workspace(dimension: Numbers) -> Workspace:
 
 def _vehicle(index: int, agent: _Agent, file: _File) -> ForeignVehicle:
     """Return an agent."""
-    if agent.type not in file.quadrotors:
+    path: tuple[str | int, ...] = ("agents", index)
+    name = _type(agent)
+    if not name:
+        raise ScenarioError("is required", (*path, "type"))
+    if name not in file.quadrotors:
         raise ScenarioError(
-            f"must be one of {', '.join(sorted(file.quadrotors))}, got {shown(agent.type)}",
-            ("agents", index, "type"),
+            f"must be one of {', '.join(sorted(file.quadrotors))}, got {shown(name)}",
+            (*path, "name" if agent.type is None else "type"),
         )
-    kind = file.quadrotors[agent.type]
-    path = ("quadrotors", agent.type)
+    kind = file.quadrotors[name]
+    if agent.radius is not None:
+        check_range(agent.radius, "m", (*path, "radius"))
+    path = ("quadrotors", name)
     check_range(kind.radius, "m", (*path, "radius"))
     limits = (("max_vel", kind.max_vel, "m/s"), ("max_acc", kind.max_acc, "m/s²"))
     for key, given, unit in limits:
@@ -153,7 +192,7 @@ def _vehicle(index: int, agent: _Agent, file: _File) -> ForeignVehicle:
         goal=places[1],
         start_velocity=np.zeros(_DIMENSION),
         goal_velocity=np.zeros(_DIMENSION),
-        radius=kind.radius,
+        radius=kind.radius if agent.radius is None else agent.radius,
         speed_limit=min(kind.max_vel),
         control_limit=min(kind.max_acc),
     )
