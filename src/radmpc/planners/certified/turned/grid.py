@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 
-__all__ = ["FREE", "Grid"]
+__all__ = ["COARSE", "FREE", "Grid", "fine_count"]
 
 _POINTS = {2: 80, 3: 26}
 """Points of the grid along its longest axis, by dimension [-]: 100 boxes take 10 ms to lay out."""
+
+_MOST_POINTS = 500_000
+"""Points of a grid as fine as hulls are, at most [-]: they take 150 MB and half a second, and 1 s
+for each route over all of them."""
+
+COARSE = 1.5
+"""Spacing of a grid up to which it tells corners and doors apart [radii of the smallest]."""
 
 _BORDER = 3.0
 """Width of the border around starts, goals and obstacles [radii]."""
@@ -63,17 +72,7 @@ class Grid:
             usual number, and distances of faces alone.
         """
         shapes, d = hazards.shapes, hazards.dimension
-        standing = np.flatnonzero((shapes.vertices == shapes.vertices[:, :1]).all(axis=(1, 2, 3)))
-        corners = [shapes.vertices[standing, 0].reshape(-1, d)]
-        for model in hazards.models:
-            goal = model.vehicle.goal
-            corners.append(np.array([model.drift_position[0], goal.lower, goal.upper]))
-        every = np.concatenate(corners)
-        border = _BORDER * float(hazards.radii.max())
-        lower, upper = every.min(axis=0) - border, every.max(axis=0) + border
-        if hazards.workspace is not None:
-            lower = np.maximum(lower, hazards.workspace[0])
-            upper = np.minimum(upper, hazards.workspace[1])
+        standing, (lower, upper) = _standing(hazards), _extent(hazards)
         spacing = float((upper - lower).max()) / (count or _POINTS[d])
         axes = [np.arange(lower[a], upper[a] + 1e-9, spacing) for a in range(d)]
         mesh = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
@@ -118,6 +117,46 @@ class Grid:
             if is_open.size and float(away.min()) < reach:
                 return int(is_open[away.argmin()])
         return -1
+
+
+def fine_count(hazards: Hazards) -> int | None:
+    """Return how many points along the longest axis tell the narrowest ways of a hull in the plane.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+
+    Returns
+    -------
+    int or None
+        None where all of the grid would take too many.
+    """
+    lower, upper = _extent(hazards)
+    sides, radius = upper - lower, float(hazards.radii.min())
+    spacing = max(radius, math.sqrt(float(sides.prod()) / _MOST_POINTS))
+    return math.ceil(float(sides.max()) / spacing) if spacing <= COARSE * radius else None
+
+
+def _standing(hazards: Hazards) -> Indices:
+    """Return the numbers of the obstacles' pieces that stand."""
+    vertices = hazards.shapes.vertices
+    return np.flatnonzero((vertices == vertices[:, :1]).all(axis=(1, 2, 3)))
+
+
+def _extent(hazards: Hazards) -> tuple[Vector, Vector]:
+    """Return the corners of the box around everything that stands, from starts to goals."""
+    corners = [hazards.shapes.vertices[_standing(hazards), 0].reshape(-1, hazards.dimension)]
+    for model in hazards.models:
+        goal = model.vehicle.goal
+        corners.append(np.array([model.drift_position[0], goal.lower, goal.upper]))
+    every = np.concatenate(corners)
+    border = _BORDER * float(hazards.radii.max())
+    lower, upper = every.min(axis=0) - border, every.max(axis=0) + border
+    if hazards.workspace is not None:
+        lower = np.maximum(lower, hazards.workspace[0])
+        upper = np.minimum(upper, hazards.workspace[1])
+    return lower, upper
 
 
 def _is_sharp(faces: Matrix, corners: Matrix) -> bool:

@@ -8,6 +8,7 @@ a current they change as those through the water do, which have the limits.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -38,8 +39,9 @@ _MISSED = 500.0
 multiples of what reaching full speed costs [1/m]."""
 
 _MOST = 2e7
-"""Places times levels of speed, squared, times steps of a route beyond which no pace is sought [-]:
-2e7 take 0.2 s."""
+"""Places times levels of speed, squared, times steps of a route beyond which there are fewer of
+both [-]: 2e7 take 0.2 s. Eight robots in a maze of 128 x 128 cells, whose ways are up to 300 m,
+have no plan within 40 s where no pace is sought beyond it, and one after 7 s with fewer places."""
 
 _PARTS = 4
 """Parts into which moves are split by their length [-]: short ones are sampled at few places."""
@@ -165,24 +167,23 @@ def track(
     Returns
     -------
     Track or None
-        None where the route is too long for that.
+        None where the route is too long even with few places on it.
     """
     dt, fastest, push = _limits(hazards.models[i])
     current, gust = _drift(hazards.models[i], dt)
     lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1)))
     reach = 0.5 * dt * fastest
-    finest = reach * _PER_RADIUS / hazards.radii[i]
-    finest = int(np.ceil(np.clip(finest, *_LEVELS) * fineness))
-    # Speeds at the steps sum to half the route: from rest to rest, only even numbers of places do.
-    count = 2 * max(1, round(float(lengths[-1]) * finest / reach / 2.0)) + 1
-    along = np.linspace(0.0, lengths[-1], count)
-    unit = max(2.0 * float(along[1]) / dt, _TINY)
+    usual = float(np.clip(reach * _PER_RADIUS / hazards.radii[i], *_LEVELS)) * fineness
     over_ground = fastest + float(np.abs(current).max())
-    num_faster = int(np.sqrt(2.0) * over_ground / unit + _TINY)
-    # Whoever is faster than that leaves the route, be it as short as of one that stays.
-    level = np.arange(min(num_faster, count - 1) + 1)
-    if count * level.size**2 * hazards.horizon > _MOST:
+    for finest in range(math.ceil(usual), _LEVELS[0] - 1, -1):
+        along, unit, level = _spread(float(lengths[-1]), finest / reach, (dt, over_ground))
+        if along.size * level.size**2 * hazards.horizon <= _MOST:
+            break
+        if fineness != 1.0:
+            return None
+    else:
         return None
+    count = along.size
     places = np.stack([np.interp(along, lengths, route[:, a]) for a in (0, 1)], axis=1)
     pieces = np.clip(np.searchsorted(lengths, along + _TINY, side="right") - 1, 0, len(route) - 2)
     ahead = np.diff(route, axis=0) / np.diff(lengths)[:, None]
@@ -205,6 +206,39 @@ def track(
     first = int(np.clip(round(first), 0, level[-1]))
     last = _arrivals(hazards.models[i], speeds[:, -1], current)
     return Track(i, places, ends, costs.astype(np.float32), first, last, price)
+
+
+def _spread(
+    length: float, density: float, speeds: tuple[float, float]
+) -> tuple[Vector, float, Indices]:
+    """Return places along a route, and the levels of speed between them.
+
+    Parameters
+    ----------
+    length : float
+        Of the route [m].
+    density : float
+        Places on it [1/m].
+    speeds : tuple of float
+        The step [s], and the largest speed over ground along an axis [m/s].
+
+    Returns
+    -------
+    along : (n,) array
+        How far along the route the places are [m].
+    unit : float
+        Speed from one level to the next [m/s].
+    level : (v,) int array
+        The levels.
+    """
+    dt, fastest = speeds
+    # Speeds at the steps sum to half the route: from rest to rest, only even numbers of places do.
+    count = 2 * max(1, round(length * density / 2.0)) + 1
+    along = np.linspace(0.0, length, count)
+    unit = max(2.0 * float(along[1]) / dt, _TINY)
+    num_faster = int(np.sqrt(2.0) * fastest / unit + _TINY)
+    # Whoever is faster than that leaves the route, be it as short as of one that stays.
+    return along, unit, np.arange(min(num_faster, count - 1) + 1)
 
 
 def _arrivals(model: CondensedModel, speeds: Matrix, current: Vector) -> Vector:

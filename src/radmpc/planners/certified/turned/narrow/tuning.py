@@ -44,8 +44,6 @@ class Tuning:
         Share of the risk of the round before above which it stays [-].
     grid_points : int
         Points of the grid along its longest axis [-].
-    coarse : float
-        Spacing of the grid up to which it tells corners apart [radii of the smallest].
     straight_points : int
         Points of a path that a straight piece may replace at most [-].
     sampled : float
@@ -127,7 +125,6 @@ class Tuning:
     joint_enough: float = 0.03
     joint_stays: float = 0.95
     grid_points: int = 160
-    coarse: float = 1.5
     straight_points: int = 24
     sampled: float = 0.5
     lost_clearance: float = 1e-3
