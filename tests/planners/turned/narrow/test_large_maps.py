@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -11,7 +12,6 @@ import pytest
 from radmpc import Goal, Obstacle, Plan, Scenario, Vehicle, Workspace, double_integrator, plan
 from radmpc.planners.certified.phases import searching
 from radmpc.planners.certified.turned.detours import detours
-from radmpc.planners.certified.turned.grid import fine_count
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.routes import shortest_routes
 from radmpc.planners.certified.turned.narrow.track import track
@@ -52,10 +52,38 @@ def hazards_of(scenario: Scenario) -> Hazards:
     return Hazards.of(scenario, condensed_models(scenario))
 
 
-def test_a_robot_has_a_plan_through_doors_that_are_narrow_beside_the_hall_before_any_search(
-    monkeypatch: pytest.MonkeyPatch,
+def windows() -> Scenario:
+    """A drone goes through a hall of the same length, its wall in the middle with a window."""
+    (drone,) = hall().vehicles
+    drone = replace(
+        drone,
+        system=double_integrator(2.0, 3),
+        start=[2.0, 10.0, 4.0, 0.0, 0.0, 0.0],
+        goal=Goal.at([78.0, 10.0, 4.0], 0.2),
+        control_limit=2.0,
+        speed_limit=1.0,
+        initial_covariance=1e-4,
+        disturbance_covariance=1e-4,
+        gain=np.kron([[-0.075, -0.45]], np.eye(3)),
+    )
+    (x, y), z = (40.0, 14.6), 5.3
+    around = {
+        "left": ([x, 0.0, 0.0], [x + 0.5, y - 0.6, 8.0]),
+        "right": ([x, y + 0.6, 0.0], [x + 0.5, 20.0, 8.0]),
+        "below": ([x, y - 0.6, 0.0], [x + 0.5, y + 0.6, z - 0.6]),
+        "above": ([x, y - 0.6, z + 0.6], [x + 0.5, y + 0.6, 8.0]),
+    }
+    wall = tuple(Obstacle.box(name, *corners) for name, corners in around.items())
+    room = Workspace([0.0, 0.0, 0.0], [80.0, 20.0, 8.0])
+    return Scenario("windows", 2.0, 56, 0.05, (drone,), wall, workspace=room)
+
+
+@pytest.mark.parametrize("made", [hall, windows])
+def test_ways_that_are_narrow_beside_the_hall_have_a_plan_before_any_search(
+    made: Callable[[], Scenario], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found: list[Plan] = []
+    scenario, found = made(), list[Plan]()
+    assert detours(hazards_of(scenario), [0], CLEARANCE) == {}
     before = searching.at_prices
 
     def searched(*asked: Any) -> Any:
@@ -63,7 +91,7 @@ def test_a_robot_has_a_plan_through_doors_that_are_narrow_beside_the_hall_before
         return before(*asked)
 
     monkeypatch.setattr(searching, "at_prices", searched)
-    plan(hall(), improved=found.append, stop=lambda: bool(found))
+    plan(scenario, improved=found.append, stop=lambda: bool(found))
     certified = found[0].risk.certified
     assert certified is not None
     assert certified <= 0.05
@@ -71,7 +99,6 @@ def test_a_robot_has_a_plan_through_doors_that_are_narrow_beside_the_hall_before
 
 def test_doors_that_fall_between_points_of_the_usual_grid_are_found_on_a_finer_one() -> None:
     hazards = hazards_of(hall())
-    assert detours(hazards, [0], CLEARANCE) == {}
     clear = Clear.of(hazards)
     assert clear is not None
     assert clear.grid.spacing <= 0.25
@@ -85,7 +112,6 @@ def test_doors_that_fall_between_points_of_the_usual_grid_are_found_on_a_finer_o
 
 def test_no_grid_takes_more_points_than_there_is_room_for() -> None:
     hazards = hazards_of(hall(radius=0.02))
-    assert fine_count(hazards) is None
     assert Clear.of(hazards) is None
 
 

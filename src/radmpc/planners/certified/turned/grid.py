@@ -10,14 +10,14 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 
-__all__ = ["COARSE", "FREE", "Grid", "fine_count"]
+__all__ = ["COARSE", "FREE", "Grid", "finest"]
 
 _POINTS = {2: 80, 3: 26}
 """Points of the grid along its longest axis, by dimension [-]: 100 boxes take 10 ms to lay out."""
 
-_MOST_POINTS = 500_000
-"""Points of a grid as fine as hulls are, at most [-]: they take 150 MB and half a second, and 1 s
-for each route over all of them."""
+_MOST_POINTS = {2: 500_000, 3: 150_000}
+"""Points of a grid as fine as hulls are at most, by dimension [-]: in the plane they take 150 MB
+and half a second, and 1 s for each route over all of them; in space ..."""
 
 COARSE = 1.5
 """Spacing of a grid up to which it tells corners and doors apart [radii of the smallest]."""
@@ -27,6 +27,9 @@ _BORDER = 3.0
 
 _BESIDE = 3
 """Points on each side among which the nearest one is looked for first [-]."""
+
+_TINY = 1e-9
+"""Least spacing of any grid [m]."""
 
 _PLANE = 2
 """Dimension in which corners are looked at."""
@@ -119,8 +122,8 @@ class Grid:
         return -1
 
 
-def fine_count(hazards: Hazards) -> int | None:
-    """Return how many points along the longest axis tell the narrowest ways of a hull in the plane.
+def finest(hazards: Hazards) -> tuple[int, float]:
+    """Return points along the longest axis of a grid as fine as hulls, or as may be; and spacing.
 
     Parameters
     ----------
@@ -129,13 +132,16 @@ def fine_count(hazards: Hazards) -> int | None:
 
     Returns
     -------
-    int or None
-        None where all of the grid would take too many.
+    int
+        For `Grid.of` [-].
+    float
+        Distance of the points [m].
     """
     lower, upper = _extent(hazards)
-    sides, radius = upper - lower, float(hazards.radii.min())
-    spacing = max(radius, math.sqrt(float(sides.prod()) / _MOST_POINTS))
-    return math.ceil(float(sides.max()) / spacing) if spacing <= COARSE * radius else None
+    sides, d = upper - lower, hazards.dimension
+    least = float(sides.prod() / _MOST_POINTS[d]) ** (1.0 / d)
+    spacing = max(float(hazards.radii.min()), least, _TINY)
+    return math.ceil(float(sides.max()) / spacing), spacing
 
 
 def _standing(hazards: Hazards) -> Indices:

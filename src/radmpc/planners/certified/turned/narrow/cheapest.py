@@ -9,7 +9,7 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.detours import NARROW, Toll, detours
-from radmpc.planners.certified.turned.grid import Grid, fine_count
+from radmpc.planners.certified.turned.grid import Grid, finest
 from radmpc.planners.certified.turned.narrow.route import Route
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
@@ -44,9 +44,6 @@ _MISSED, _MOST_MISSED, _LACKING = 0.02, 0.2, 10.0
 turning half-spaces gains that [m]; and what is charged for the rest of it [effort per m]. Among the
 nine boxes of db-CBS `forest` cheap routes miss 0.03 to 0.09 m, and those that miss nothing cost
 twice as much."""
-
-_PLANE = 2
-"""Dimension in which a finer grid is laid out where the usual one has no route."""
 
 _ENOUGH = 0.1
 """What a vehicle may miss on a path of least effort for none with less risk to be sought [m]."""
@@ -111,8 +108,8 @@ def _shortest(
     """Return the shortest routes; of those without one, on a grid that tells narrower ways."""
     found = detours(hazards, stopped, clearance, grid)
     left = [int(i) for i in stopped if i not in found]
-    count = fine_count(hazards) if left and hazards.dimension == _PLANE else None
-    if count is None or count <= max(grid.shape):
+    count = finest(hazards)[0] if left else 0
+    if count <= max(grid.shape):
         return found
     return found | detours(hazards, left, clearance, Grid.of(hazards, count))
 

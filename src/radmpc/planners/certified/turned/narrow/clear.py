@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from radmpc.arrays import Matrix, Tensor, Vector
-from radmpc.planners.certified.turned.grid import COARSE, Grid, fine_count
+from radmpc.planners.certified.turned.grid import COARSE, Grid, finest
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass, replace
@@ -50,12 +50,12 @@ class Clear:
         are_double = all(m.vehicle.system.is_double_integrator for m in hazards.models)
         if hazards.dimension != 2 or not are_double:
             return None
-        count = fine_count(hazards)
-        if count is None:
+        count, spacing = finest(hazards)
+        # What the usual grid tells apart is told as it was.
+        is_usual = count <= COARSE * TUNING.grid_points
+        if not is_usual and spacing > COARSE * float(hazards.radii.min()):
             return None
-        # What is told apart at the usual spacing is told as it was.
-        is_coarse = count > COARSE * TUNING.grid_points
-        grid = Grid.of(hazards, count if is_coarse else TUNING.grid_points)
+        grid = Grid.of(hazards, TUNING.grid_points if is_usual else count)
         far = float(10.0 * hazards.radii.max() + grid.spacing)
         field, least = np.minimum(grid.distances, far), _least(grid)
         fields = field.reshape(grid.shape), least.reshape(grid.shape)
