@@ -35,6 +35,7 @@ class Pacing:
         self._routes: dict[int, list[Matrix]] = {}
         self._tracks: dict[int, list[tuple[Track, float]]] = {}
         self._placed: dict[int, Matrix] = {}
+        self._offered: set[tuple[int, bytes, float]] = set()
         self._known: dict[tuple[int, int], tuple[Matrix, Closeness]] = {}
         self._hurry = 0.0
 
@@ -50,13 +51,22 @@ class Pacing:
         """
         for i, choices in routes.items():
             self._routes.setdefault(i, [])
-            self._routes[i] += [route for route in choices if fineness == 1.0]
-            for route in choices:
+            new = [route for route in choices if self._is_new(i, route, fineness)]
+            self._routes[i] += [route for route in new if fineness == 1.0]
+            for route in new:
                 laid_out = track(self._hazards, i, route, self._kept, fineness)
                 alone = None if laid_out is None else laid_out.paced(self._hazards.horizon, ())
                 if laid_out is not None and alone is not None:
                     self._tracks.setdefault(i, []).append((laid_out, alone[1]))
                     self._tracks[i].sort(key=lambda one: one[1])
+
+    def _is_new(self, vehicle: int, route: Matrix, fineness: float) -> bool:
+        """Tell whether a route is offered for the first time, with so many places."""
+        key = vehicle, route.tobytes(), fineness
+        if key in self._offered:
+            return False
+        self._offered.add(key)
+        return True
 
     def refine(self, vehicles: Sequence[int], is_stopped: Callable[[], bool]) -> dict[int, Matrix]:
         """Return the latest places, some vehicles at the best pace of a finer choice.
