@@ -7,8 +7,8 @@ from scipy.special import stdtrit
 
 from radmpc.arrays import Matrix
 from radmpc.identification.intervals import LEVEL, SIGMAS, Interval, normal_interval
+from radmpc.identification.least_squares.regression import Fit
 from radmpc.identification.model import StepModel
-from radmpc.identification.regression import Fit
 from radmpc.identification.segments import Evidence
 
 __all__ = ["SURE", "current", "mean_of_steps"]
