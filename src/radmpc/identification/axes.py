@@ -72,7 +72,8 @@ def check_axes(track: Track) -> tuple[str, ...]:
     _check_alike(track, np.diag(slopes), np.diag(shares))
     for i, axis in enumerate("xyz"[: track.dimension]):
         slope, share, best = slopes[i, i], shares[i, i], int(np.argmax(shares[i]))
-        is_clear = best != i and shares[i, best] > _CLEAR
+        # Mixed-up axes change places: where paths along both look alike, one may explain both.
+        is_clear = shares[i, best] > _CLEAR and best not in {i, int(np.argmax(shares[best]))}
         if is_clear and 1.0 - share > _CROSSED * (1.0 - shares[i, best]):
             raise FileFormatError(
                 f"{track.where}: {axis} moves as v{'xyz'[best]} says, and not as v{axis}: are axes "
