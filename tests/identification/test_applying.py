@@ -76,9 +76,9 @@ def test_logs_that_tell_hardly_anything_are_not_written() -> None:
     found = identify(read_logs([PX4]).tracks)
     assert found.pooled.worth < 3.0
     assert found.pooled.gain is None
-    with pytest.raises(FileFormatError, match=r"px4\.ulg: is worth about 1 independent steps"):
+    with pytest.raises(FileFormatError, match=r"px4\.ulg: is worth about 1 independent step,"):
         noise_text(found, "today")
-    with pytest.raises(FileFormatError, match=r"px4\.ulg: is worth about 1 independent steps"):
+    with pytest.raises(FileFormatError, match=r"px4\.ulg: is worth about 1 independent step,"):
         with_noise(scenario("px4"), found, "today")
 
 

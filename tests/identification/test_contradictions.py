@@ -8,7 +8,7 @@ import pytest
 from radmpc.errors import FileFormatError
 from radmpc.identification import Track, identify
 from radmpc.identification.axes import check_axes
-from simulator import Truth, fly
+from simulator import Truth, dynamics, fly
 
 
 def flight(log: str = "commands") -> Track:
@@ -148,3 +148,17 @@ def test_a_still_position_and_noise_of_its_velocity_at_a_gap_are_no_contradictio
     velocities[:, 1] = 0.02 * np.sin(np.arange(len(later)))
     still = track.changed({"positions": positions, "velocities": velocities}, later)
     assert any("y never changes, though vy does" in line for line in identify([still]).warnings)
+
+
+def test_a_vehicle_that_goes_along_both_axes_alike_has_no_axes_mixed_up() -> None:
+    dt, rng = 0.5, np.random.default_rng(4)
+    A, B = dynamics(dt, 2)
+    states = np.zeros((401, 4))
+    for k in range(400):
+        # Feedback answers what pushes along x, so that vx explains x less well than vy does.
+        pushed = -0.3 * states[k, :2] - 0.8 * states[k, 2:]
+        noise = [0.035, 0.047, 0.025, 0.022] * rng.standard_normal(4)
+        states[k + 1] = A @ states[k] + B @ (pushed + 0.5 * np.sin(0.1 * k)) + noise
+        states[k + 1, 0] += 0.02
+    track = Track("v", "log.csv", "one", dt * np.arange(401), states[:, :2], states[:, 2:])
+    assert identify([track]).pooled.num_steps == 400

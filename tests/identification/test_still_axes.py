@@ -90,3 +90,13 @@ def test_states_alone_tell_a_current_beside_an_axis_that_never_moves() -> None:
     whole, bare = flown(Truth(steps=1000, drift=(0.05, 0.0, 0.0, 0.0)), 8, "states")
     assert_same(Picked(bare.pooled.drift, [0]), Picked(whole.pooled.drift, [0]), 1e-9)
     assert np.isnan(bare.pooled.drift.value[2:]).all()
+
+
+def test_a_vehicle_that_rests_for_a_part_of_its_log_is_told_of() -> None:
+    [track] = fly(Truth(steps=300), 1)
+    parts = {name: np.array(getattr(track, name)) for name in track.parts()}
+    for part in parts.values():
+        part[:101] = part[100]
+    [told] = [text for text in identify([track.changed(parts)]).warnings if "nothing" in text]
+    assert "nothing changes from 33 % of its samples to the next: at rest, or repeated?" in told
+    assert not any("nothing changes" in text for text in identify([track]).warnings)

@@ -41,6 +41,10 @@ _WINDOW = 20
 _GAP = 1.5
 """Median times between samples [-] above which one is a gap."""
 
+_RESTING = 0.1
+"""Share of the samples [-] without any change above which it is told: variances are too small by as
+much."""
+
 _STUCK = 0.1
 """Share of the other axes' way [-] that velocities along one may tell while its position stays."""
 
@@ -72,7 +76,8 @@ def check_axes(track: Track) -> tuple[str, ...]:
     _check_alike(track, np.diag(slopes), np.diag(shares))
     for i, axis in enumerate("xyz"[: track.dimension]):
         slope, share, best = slopes[i, i], shares[i, i], int(np.argmax(shares[i]))
-        is_clear = best != i and shares[i, best] > _CLEAR
+        # Mixed-up axes change places: where paths along both look alike, one may explain both.
+        is_clear = shares[i, best] > _CLEAR and best not in {i, int(np.argmax(shares[best]))}
         if is_clear and 1.0 - share > _CROSSED * (1.0 - shares[i, best]):
             raise FileFormatError(
                 f"{track.where}: {axis} moves as v{'xyz'[best]} says, and not as v{axis}: are axes "
@@ -107,7 +112,7 @@ def check_still(track: Track) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        What never changes.
+        What never changes, and how often nothing does.
 
     Raises
     ------
@@ -115,7 +120,7 @@ def check_still(track: Track) -> tuple[str, ...]:
         If a position is stuck, or all are.
     """
     is_still = np.ptp(track.positions, axis=0) == 0.0
-    if track.times.size < 2 or not is_still.any():
+    if track.times.size < 2:
         return ()
     if is_still.all():
         raise FileFormatError(f"{track.where}: its position never changes: nothing to learn")
@@ -135,7 +140,20 @@ def check_still(track: Track) -> tuple[str, ...]:
                 )
             told = f"{axis} never changes, though v{axis} does: its noise is that of v{axis}"
         warnings.append(f"{track.where}: {told}")
-    return tuple(warnings)
+    return (*warnings, *_at_rest(track))
+
+
+def _at_rest(track: Track) -> tuple[str, ...]:
+    """Return how often nothing of a vehicle changes, where that makes its noise look small."""
+    states = [part for part in (track.positions, track.velocities) if part is not None]
+    rest = float(np.mean(np.all(np.diff(np.hstack(states), axis=0) == 0.0, axis=1)))
+    if rest <= _RESTING:
+        return ()
+    return (
+        f"{track.where}: nothing changes from {100.0 * rest:.0f} % of its samples to the next: at "
+        "rest, or repeated? They count as steps without noise, so that the covariance is too "
+        "small: leave them out",
+    )
 
 
 def _ways(track: Track) -> tuple[Matrix, Matrix]:

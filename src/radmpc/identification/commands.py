@@ -8,7 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.identification.intervals import Interval, normal_interval
-from radmpc.identification.regression import Fit
+from radmpc.identification.least_squares.regression import Fit
 from radmpc.identification.sampling import Samples
 from radmpc.identification.segments import Evidence, Transitions
 

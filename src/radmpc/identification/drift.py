@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import stdtrit
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Vector
 from radmpc.identification.intervals import LEVEL, SIGMAS, Interval, normal_interval
+from radmpc.identification.least_squares.regression import Fit
 from radmpc.identification.model import StepModel
-from radmpc.identification.regression import Fit
 from radmpc.identification.segments import Evidence
 
 __all__ = ["SURE", "current", "mean_of_steps"]
@@ -16,6 +16,12 @@ __all__ = ["SURE", "current", "mean_of_steps"]
 SURE = 2.58
 """Standard deviations [-] beyond which color, drift and the like are taken for real: 1 % by
 chance."""
+
+_STRETCHES = 20
+"""Parts of a log whose means are compared."""
+
+_MOST_COLOR = 0.995
+"""Largest correlation from row to row [-] that is told from drift."""
 
 
 def mean_of_steps(
@@ -63,5 +69,25 @@ def current(y: Matrix, model: StepModel) -> Interval:
         # current (exact for commands that are held over the step).
         rest = y[:, :d] - 0.5 * model.dt * y[:, d:]
         value[:d] = rest.mean(axis=0)
-        deviation[:d] = rest.std(axis=0) / np.sqrt(len(rest))
+        deviation[:d] = _deviation_of_mean(rest)
     return normal_interval(value, deviation)
+
+
+def _deviation_of_mean(rows: Matrix) -> Vector:
+    """Return how unsure means of rows are that may have memory, as if they were normal.
+
+    By the correlation from row to row, or by means of stretches, whichever are less sure: noise of
+    sensors hides the former, and short logs the latter.
+    """
+    count, centered = len(rows), rows - rows.mean(axis=0)
+    power = np.maximum(np.mean(centered**2, axis=0), 1e-300)
+    color = np.mean(centered[1:] * centered[:-1], axis=0) / power if count > 1 else 0.0 * power
+    # The mean that is taken away makes it look smaller (Kendall 1954).
+    color = np.clip(color + (1.0 + 3.0 * color) / count, 0.0, _MOST_COLOR)
+    free = np.maximum(count * (1.0 - color) / (1.0 + color), 2.0)
+    sure = np.sqrt(power / free) * stdtrit(np.maximum(free - 1.0, 1.0), 0.5 + 0.5 * LEVEL)
+    if count >= 2 * _STRETCHES:
+        means = np.array([part.mean(axis=0) for part in np.array_split(centered, _STRETCHES)])
+        apart = means.std(axis=0, ddof=1) / np.sqrt(_STRETCHES)
+        sure = np.maximum(sure, apart * float(stdtrit(_STRETCHES - 1.0, 0.5 + 0.5 * LEVEL)))
+    return np.asarray(sure / SIGMAS)

@@ -14,25 +14,21 @@ from radmpc.identification.intervals import (
     bound_alone,
     covariance_interval,
     placed,
+    spanning,
     widened,
     worth_of,
 )
-from radmpc.identification.model import StepModel
-from radmpc.identification.regression import (
+from radmpc.identification.least_squares.lookalikes import of_either, on_safe_side
+from radmpc.identification.least_squares.regression import (
     LEAST_CHANCE,
     Fit,
     feedback_chance,
     fit,
     time_constant,
 )
-from radmpc.identification.segments import (
-    Evidence,
-    Segment,
-    Transitions,
-    moving_axes,
-    stacked,
-)
-from radmpc.identification.small_sample import without_bias
+from radmpc.identification.least_squares.small_sample import without_bias
+from radmpc.identification.model import StepModel
+from radmpc.identification.segments import Evidence, Segment, Transitions, moving_axes, stacked
 from radmpc.identification.spectral.fleet import repetition
 from radmpc.identification.spectral.measurement import Measured, measured_noise, with_memory
 from radmpc.identification.tails import Tails, scatter, tails
@@ -187,19 +183,20 @@ def _of_moving(
 ) -> Estimate:
     """Return what a group has in common, all axes of which move."""
     y, h, follows = stacked([segment for one in group for segment in one.segments])
-    found, measured, first = _explained(group, model, evidence)
+    found, measured, first, either = _explained(group, model, evidence)
     white, moving = whitened(found.innovations), moving_states(found.innovations)
     kind = None if evidence == "states" else tails([white])
     more = (len(group) - 1) * max(share, 0.0)
-    found = _widened(found, np.sqrt(1.0 + more), np.sqrt(1.0 + more * max(share, 0.0)))
-    covariance, worth = _spread(found, kind, model, 1.0 + more * max(share, 0.0))
-    constant = time_constant(found, model.dt)
-    if measured is not None:
-        covariance, worth = measured.disturbance, min(worth, worth_of(measured.disturbance))
-        constant = measured.time_constant(model.dt)
+    alike = 1.0 + more * max(share, 0.0)
+    found, *ends = (_widened(one, np.sqrt(1.0 + more), np.sqrt(alike)) for one in (found, *either))
+    covariance, worth, constant = _disturbance(found, measured, kind, model, alike)
     chance = feedback_chance(found, y, h, follows) if h.shape[1] else float("nan")
     is_bound = evidence == "references" and (first.first_score < -SURE or chance < LEAST_CHANCE)
     gain, gain_share, unexplained = feedback(found, group, evidence)
+    if ends and gain is not None:
+        gain, constant = of_either(ends, gain, constant, model.dt)
+        covariance = spanning([covariance, _spread(ends[-1], kind, model, alike)[0]])
+        is_bound = True
     drift, has_drift = mean_of_steps(found, y, model, evidence)
     return Estimate(
         vehicles=tuple(one.name for one in group),
@@ -226,8 +223,12 @@ def _of_moving(
 
 def _explained(
     group: Sequence[Transitions], model: StepModel, evidence: Evidence
-) -> tuple[Fit, Measured | None, Autocorrelation]:
-    """Return the fit that goes with what residuals look like, and how these follow each other."""
+) -> tuple[Fit, Measured | None, Autocorrelation, tuple[Fit, ...]]:
+    """Return the fit that goes with what residuals look like, and how these follow each other.
+
+    Where feedback and memory look alike, the fits of the shortest and the longest memory come with
+    it.
+    """
     all_segments = [segment for one in group for segment in one.segments]
     y, h, follows = stacked(all_segments)
     found = fit(y, h, follows, model.B, has_color=False)
@@ -238,13 +239,15 @@ def _explained(
         noise, repeated = _pieces(found.noise, all_segments), repetition(group, pieces)
         measured = measured_noise(noise, offsets, model, repeated)
         if measured is not None:
-            return with_memory(found, measured), measured, first
-    can_color = evidence == "commands" or (evidence == "references" and model.has_velocity)
-    if can_color and first.first_score > SURE and first.first > _LEAST_COLOR:
+            return with_memory(found, measured), measured, first, ()
+    if evidence != "states" and first.first_score > SURE and first.first > _LEAST_COLOR:
+        if not model.has_velocity and h.shape[1]:
+            found, ends = on_safe_side(y, h, follows, model)
+            return found, None, first, ends
         found = fit(y, h, follows, model.B, has_color=True)
     elif evidence == "references":
         found = without_bias(found, h, follows, model)
-    return found, None, first
+    return found, None, first, ()
 
 
 def _pieces(rows: Matrix, all_segments: Sequence[Segment]) -> list[Matrix]:
@@ -270,6 +273,17 @@ def _widened(found: Fit, by_mean: float, by_product: float) -> Fit:
         drift_deviation=by_mean * found.drift_deviation,
         color_deviation=by_product * found.color_deviation,
     )
+
+
+def _disturbance(
+    found: Fit, measured: Measured | None, kind: Tails | None, model: StepModel, alike: float
+) -> tuple[Interval, float, Interval | None]:
+    """Return W, how many independent steps it is worth, and the time constant."""
+    covariance, worth = _spread(found, kind, model, alike)
+    if measured is None:
+        return covariance, worth, time_constant(found, model.dt)
+    worth = min(worth, worth_of(measured.disturbance))
+    return measured.disturbance, worth, measured.time_constant(model.dt)
 
 
 def _spread(

@@ -21,6 +21,7 @@ from radmpc.identification.track import Track, check_tracks
 from radmpc.identification.unknown import unknowns
 from radmpc.ranges import check_range
 from radmpc.records import dataclass
+from radmpc.wording import count_text
 
 __all__ = ["Identification", "identify"]
 
@@ -149,9 +150,8 @@ def identify(
         alike = 0.0 if shared is None or not shared.is_sure else float(shared.share.value)
         pooled = scaled_apart(pooled, each, alike)
     if pooled.worth < _FEW_STEPS:
-        told.append(
-            f"the logs are worth about {pooled.worth:.0f} independent steps: the numbers are rough"
-        )
+        worth = count_text(round(pooled.worth), "independent step")
+        told.append(f"the logs are worth about {worth}: the numbers are rough")
     return Identification(
         model=model,
         evidence=evidence,

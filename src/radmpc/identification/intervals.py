@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 from scipy.special import chdtri, ndtri
@@ -17,6 +19,7 @@ __all__ = [
     "covariance_interval",
     "normal_interval",
     "placed",
+    "spanning",
     "widened",
     "worth_of",
 ]
@@ -121,6 +124,19 @@ def placed(part: Interval, around: Interval, places: tuple[Indices, ...]) -> Int
     for end, name in zip(ends, ("value", "low", "high"), strict=True):
         end[places] = getattr(part, name)
     return Interval(*ends)
+
+
+def spanning(intervals: Sequence[Interval]) -> Interval:
+    """Return the first interval's values with ends that hold all intervals.
+
+    Parameters
+    ----------
+    intervals : sequence of Interval
+        Of the same entries, at least one.
+    """
+    low = np.min([one.low for one in intervals], axis=0)
+    high = np.max([one.high for one in intervals], axis=0)
+    return Interval(intervals[0].value, low, high)
 
 
 def bound_alone(covariance: Interval) -> Interval:

@@ -6,8 +6,8 @@ import numpy as np
 
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.intervals import Interval
+from radmpc.identification.least_squares.regression import LEAST_CHANCE
 from radmpc.identification.model import StepModel
-from radmpc.identification.regression import LEAST_CHANCE
 from radmpc.identification.segments import Evidence
 from radmpc.identification.sharing import Shared
 
@@ -127,12 +127,15 @@ def _of_references(identified: Estimate, model: StepModel) -> list[str]:
             "integrators or measurement noise in the loop); K is the nearest"
         )
     if identified.color == 0.0 and identified.autocorrelation.first_score > 2.58:
+        sentences.append("time constant: the residuals are nearly white")
+    if identified.time_constant is not None and not model.has_velocity:
+        gain = identified.gain
+        what = "the longest memory that fits" if gain and gain.excludes_zero else "memory alone"
         sentences.append(
-            "time constant: without velocities a lasting disturbance and slow feedback look alike"
-            if not model.has_velocity
-            else "time constant: the residuals are nearly white"
+            "feedback apart from memory: without velocities slow feedback and a disturbance that "
+            f"lasts look alike; {what} stands here, on the safe side"
         )
-    if identified.is_bound:
+    elif identified.is_bound:
         sentences.append(
             "disturbance apart from measurement noise and lags of the loop: the covariance holds "
             "both, and is too large; log the commands"

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from cli.conftest import Run
+from radmpc.console.reports.noise import tails_sentence
+from radmpc.identification.tails import Tails
 from radmpc.io.text.document import read_document
 from simulator import Truth, as_csv, fly
 
@@ -65,3 +67,8 @@ def test_measurement_noise_that_may_be_none_has_an_upper_end_alone(
     [unsure] = [line for line in lines if line.startswith("measurement of y,")]
     assert " to " in sure
     assert f"not identifiable, at most {ends['high'][1][1] ** 0.5:.3g}" in unsure
+
+
+def test_the_interval_of_degrees_of_freedom_is_told_in_the_digits_of_their_number() -> None:
+    told = tails_sentence(Tails(0.0, 60.0, 2.22, 2.2, 2.26))
+    assert "about 2.2 degrees of freedom (2.2 to 2.3;" in told

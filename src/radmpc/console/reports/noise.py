@@ -83,7 +83,7 @@ def _facts(identified: Identification) -> dict[str, Text | str]:
     rows: dict[str, Text | str] = {"model": _KNOWN[identified.evidence]}
     if identified.start is not None:
         rows["recorded"] = recorded(identified.start)
-    rows["worth"] = f"about {pooled.worth:.0f} independent steps"
+    rows["worth"] = f"about {count_text(round(pooled.worth), 'independent step')}"
     if len(identified.each) > 1:
         rows["vehicles"] = (
             "differ beyond chance: each has its own numbers"
@@ -152,11 +152,10 @@ def tails_sentence(kind: Tails) -> str:
         return f"Gaussian: nothing speaks against it ({test})"
     if not kind.are_heavy:
         return f"not quite Gaussian, though not heavy-tailed ({test})"
-    high = f"{kind.freedom_high:.0f}"
     return (
         f"heavier than Gaussian: like Student-t with about {kind.freedom:.2g} degrees of freedom "
-        f"({kind.freedom_low:.2g} to {high}; {test}): large single disturbances are more likely "
-        "than plans assume"
+        f"({kind.freedom_low:.2g} to {kind.freedom_high:.2g}; {test}): "
+        "large single disturbances are more likely than plans assume"
     )
 
 

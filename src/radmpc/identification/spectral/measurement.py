@@ -14,8 +14,8 @@ from scipy.special import chdtrc, chdtri
 
 from radmpc.arrays import Matrix
 from radmpc.identification.intervals import LEVEL, Interval
+from radmpc.identification.least_squares.regression import Fit
 from radmpc.identification.model import StepModel
-from radmpc.identification.regression import Fit
 from radmpc.identification.spectral.mixture import Mixture
 from radmpc.identification.spectral.spectra import LEAST_RUN
 from radmpc.identification.whiteness import whitened

@@ -26,6 +26,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import replace
 from radmpc.version import __version__
+from radmpc.wording import count_text
 
 __all__ = ["check_worth", "noise_text", "provenance", "recorded", "with_noise"]
 
@@ -91,7 +92,8 @@ def check_worth(identified: Identification) -> None:
     least = min(one.worth for one in identified.groups)
     if least < FEWEST_SAMPLES:
         raise FileFormatError(
-            f"{', '.join(identified.sources)}: is worth about {least:.0f} independent steps, and "
+            f"{', '.join(identified.sources)}: is worth about "
+            f"{count_text(round(least), 'independent step')}, and "
             f"noise is written from {FEWEST_SAMPLES} on: log more"
         )
 

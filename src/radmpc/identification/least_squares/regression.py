@@ -7,22 +7,28 @@ first step of every segment.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
-from scipy.optimize import minimize_scalar
-from scipy.special import chdtrc
+from scipy.optimize import brentq, minimize_scalar
+from scipy.special import chdtrc, chdtri
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.identification.intervals import Interval, normal_interval
+from radmpc.identification.intervals import LEVEL, Interval, normal_interval
 from radmpc.records import dataclass
 
-__all__ = ["LEAST_CHANCE", "Fit", "feedback_chance", "fit", "time_constant"]
+__all__ = ["LEAST_CHANCE", "Fit", "ends_of_memory", "feedback_chance", "fit", "time_constant"]
 
 _MOST_COLOR = 0.995
 """Largest autocorrelation [-] from step to step that is looked for: beyond it noise and drift
 cannot be told apart in logs of any length."""
 
-_GRID = 24
-"""Autocorrelations that are tried before the best is refined."""
+_COLORS = np.linspace(-0.3, _MOST_COLOR, 24)
+"""Autocorrelations [-] that are tried before the best is refined."""
+
+_RIVAL = 0.001
+"""Probability [-] below which one maximum of the likelihood rules out another: both may be true
+descriptions, and which is the larger one is chance."""
 
 LEAST_CHANCE = 0.01
 """Probability [-] below which a closed loop is not that of a double integrator with feedback."""
@@ -79,19 +85,73 @@ def fit(y: Matrix, h: Matrix, follows: Vector, B: Matrix, *, has_color: bool) ->
     """
     if not has_color:
         return _finished(y, h, B, _solved(y, h, B, 0.0, np.arange(1, len(y))), 0.0, follows)
+    badness = _badness(y, h, follows, B)
+    color, _ = _refined(badness, int(np.argmin([badness(float(color)) for color in _COLORS])))
+    pairs = np.flatnonzero(follows)
+    return _finished(y, h, B, _solved(y, h, B, color, pairs), color, follows)
+
+
+def ends_of_memory(y: Matrix, h: Matrix, follows: Vector, B: Matrix) -> tuple[Fit, Fit]:
+    """Return K, c and ρ with the shortest and with the longest memory that the steps allow.
+
+    Positions alone are explained as well if feedback and memory change places: the likelihood may
+    have two maxima, and its 95 % region reaches from below the one to beyond the other.
+
+    Parameters
+    ----------
+    y, h, follows, B
+        As in `fit`.
+    """
+    badness, pairs = _badness(y, h, follows, B), np.flatnonzero(follows)
+    values = np.array([badness(float(color)) for color in _COLORS])
+    around = np.concatenate([[np.inf], values, [np.inf]])
+    lows = np.flatnonzero((values <= around[:-2]) & (values <= around[2:]))
+    maxima = [_refined(badness, int(at)) for at in lows]
+    rival = min(value for _, value in maxima) + float(chdtri(1.0, _RIVAL)) / max(len(pairs), 1)
+    likely = sorted(one for one in maxima if one[1] <= rival)
+    fits = []
+    for (color, value), side in ((likely[0], -1.0), (likely[-1], 1.0)):
+        most = value + float(chdtri(1.0, 1.0 - LEVEL)) / max(len(pairs), 1)
+        onward = np.sort(_COLORS[side * (_COLORS - color) > 0.0])[:: int(side)]
+        end = _crossing(badness, most, color, onward)
+        fits.append(_finished(y, h, B, _solved(y, h, B, end, pairs), end, follows))
+    short, long = fits
+    return short, long
+
+
+def _badness(y: Matrix, h: Matrix, follows: Vector, B: Matrix) -> Callable[[float], float]:
+    """Return the log-determinant of the innovations as a function of ρ."""
     pairs = np.flatnonzero(follows)
 
     def badness(color: float) -> float:
-        """Return the log-determinant of the innovations."""
+        """Return it at one autocorrelation."""
         _, _, innovations = _solved(y, h, B, color, pairs)
         return _log_determinant(innovations)
 
-    grid = np.linspace(-0.3, _MOST_COLOR, _GRID)
-    values = [badness(float(color)) for color in grid]
-    best = int(np.argmin(values))
-    low, high = grid[max(best - 1, 0)], grid[min(best + 1, _GRID - 1)]
-    color = float(minimize_scalar(badness, bounds=(low, high), method="bounded").x)
-    return _finished(y, h, B, _solved(y, h, B, color, pairs), color, follows)
+    return badness
+
+
+def _refined(badness: Callable[[float], float], at: int) -> tuple[float, float]:
+    """Return the ρ around one of those tried that is least bad, and how bad it is."""
+    low, high = _COLORS[max(at - 1, 0)], _COLORS[min(at + 1, len(_COLORS) - 1)]
+    best = minimize_scalar(badness, bounds=(low, high), method="bounded")
+    return float(best.x), float(best.fun)
+
+
+def _crossing(
+    badness: Callable[[float], float], most: float, begin: float, onward: Vector
+) -> float:
+    """Return where it gets worse than what is likely on the way from a ρ, the last one if never."""
+
+    def excess(color: float) -> float:
+        """Return by how much it is worse at one autocorrelation."""
+        return badness(color) - most
+
+    for color in onward.tolist():
+        if excess(color) > 0.0:
+            return float(brentq(excess, begin, color, xtol=1e-4))
+        begin = color
+    return begin
 
 
 Solved = tuple[Matrix, Vector, Matrix]

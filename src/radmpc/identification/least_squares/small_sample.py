@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.identification.least_squares.regression import Fit
 from radmpc.identification.model import StepModel
-from radmpc.identification.regression import Fit
 from radmpc.records import replace
 
 __all__ = ["without_bias"]

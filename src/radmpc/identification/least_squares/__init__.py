@@ -1,0 +1,1 @@
+"""Feedback, drift and memory by least squares, and what they leave open."""
