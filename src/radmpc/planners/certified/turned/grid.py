@@ -15,7 +15,7 @@ __all__ = ["COARSE", "FREE", "Grid", "finest"]
 _POINTS = {2: 80, 3: 26}
 """Points of the grid along its longest axis, by dimension [-]: 100 boxes take 10 ms to lay out."""
 
-_MOST_POINTS = {2: 500_000, 3: 150_000}
+_MOST_POINTS = {2: 700_000, 3: 150_000}
 """Points of a grid as fine as hulls are at most, by dimension [-]: in the plane they take 150 MB
 and half a second, and 1 s for each route over all of them; in space ..."""
 
