@@ -17,7 +17,8 @@ from radmpc.geometry import box
 from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk
 from radmpc.model.scenario import Scenario
 from radmpc.plotting import Chart, plot_chart, plot_couplings, plot_distances, plot_risk
-from radmpc.plotting.clearances import _nearest_of, closest_clearances
+from radmpc.plotting.clearances import closest_clearances
+from radmpc.plotting.nearest import nearest_of
 
 from .conftest import HORIZON, make_plan, make_vehicle
 
@@ -232,7 +233,7 @@ def test_distances_in_space_agree_with_an_optimizer() -> None:
     rng = np.random.default_rng(3)
     piece = box([0.0, 0.0, 0.0], [1.0, 2.0, 3.0])
     points = rng.uniform(-3.0, 5.0, (20, 3))
-    distances, along = _nearest_of(points, piece)
+    distances, along = nearest_of(points, piece)
     for point, distance, direction in zip(points, distances, along, strict=True):
         nearest = minimize(
             lambda x, p=point: np.sum((x - p) ** 2), [0.5, 1.0, 1.5],

@@ -13,6 +13,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.plotting import plot_distances
 from radmpc.plotting.clearances import closest_clearances
+from radmpc.plotting.interpolation import moving_outline
 
 from .conftest import HORIZON, make_plan, make_vehicle
 
@@ -81,3 +82,54 @@ def test_long_names_in_the_key_of_distances_are_cut_within_the_picture(flat_plan
     assert ax.get_window_extent().width > 0.7 * figure.bbox.width
     told = [text.get_text() for text in legend.get_texts()]
     assert any(one.startswith("a res") and "…" in one and "number 7:" in one for one in told)
+
+
+def crossing(variance: float, *, strays: bool) -> Plan:
+    """Return vehicles among many obstacles: near, far, standing, moving, some not known exactly."""
+    rng = np.random.default_rng(3)
+    obstacles = []
+    for k, (x, y) in enumerate(rng.uniform(-15.0, 15.0, (24, 2))):
+        outline = np.array([[x, y], [x + 1.0, y], [x + 0.5, y + 1.0]])
+        if k % 3 == 0:
+            obstacles.append(Obstacle.polygon(f"o{k}", outline))
+        elif k % 3 == 1 or not strays:
+            drift = rng.normal(0.0, 0.5, 2)
+            moving = [outline + step * drift for step in range(HORIZON + 1)]
+            obstacles.append(Obstacle.moving(f"o{k}", moving))
+        else:
+            shape = {"start": [x, y, 0.1, -0.2], "covariance": 0.01 * (k + 1)}
+            obstacles.append(Obstacle.tracked(f"o{k}", outline - outline[0], **shape))
+    vehicles = tuple(
+        replace(make_vehicle(f"v{i}", [0.0, 3.0 * i], [9.0, 3.0 * i]), initial_covariance=scale)
+        for i, scale in enumerate((variance, 4.0 * variance))
+    )
+    return make_plan(Scenario("crossing", 1.0, HORIZON, 0.05, vehicles, tuple(obstacles)))
+
+
+@pytest.mark.parametrize("most", [1, 4, 6])
+@pytest.mark.parametrize("strays", [False, True])
+def test_the_closest_are_those_of_all(most: int, strays: bool) -> None:
+    plan = crossing(1e-3, strays=strays)
+    everything = closest_clearances(plan, 1000)
+    assert len(everything) == 2 * 24 + 1
+    found = closest_clearances(plan, most)
+    assert [one.name for one in found] == [one.name for one in everything[:most]]
+    for one, same in zip(found, everything, strict=False):
+        assert np.array_equal(one.distance, same.distance)
+        assert np.array_equal(one.sigma, same.sigma)
+
+
+def test_obstacles_that_others_are_closer_than_are_not_measured(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    outlined: list[str] = []
+
+    def counting(obstacle: Obstacle, time: float) -> np.ndarray:
+        if time == 0.0:
+            outlined.append(obstacle.name)
+        return moving_outline(obstacle, time)
+
+    monkeypatch.setattr("radmpc.plotting.clearances.moving_outline", counting)
+    closest_clearances(crossing(1e-3, strays=False), 2)
+    # Where one that moves is at all times is found once, whoever it is measured against.
+    assert len(outlined) == len(set(outlined)) <= 6

@@ -57,3 +57,14 @@ def test_who_is_far_from_a_box_has_an_axis_between_in_every_window(
 
 def test_without_boxes_there_is_nobody_to_tell_of() -> None:
     assert list(far_from_boxes(Balls(np.zeros((2, 3, 2)), np.ones((2, 3))), [])) == []
+
+
+def test_a_box_that_stands_still_is_given_once_for_all_windows() -> None:
+    rng = np.random.default_rng(4)
+    balls = Balls(rng.uniform(0.0, 10.0, (9, 5, 3)), rng.uniform(0.0, 2.0, (9, 5)))
+    lower = rng.uniform(0.0, 9.0, (12, 1, 3))
+    once = [(each, each + 1.0) for each in lower]
+    repeated = [(np.repeat(low, 5, axis=0), np.repeat(high, 5, axis=0)) for low, high in once]
+    found = [far.tolist() for far in far_from_boxes(balls, once)]
+    assert found == [far.tolist() for far in far_from_boxes(balls, repeated)]
+    assert 0 < np.sum(found) < np.size(found)

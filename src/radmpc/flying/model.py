@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
 from typing import Protocol
 
 import numpy as np
@@ -18,6 +17,7 @@ from radmpc.model.relations.concerns import is_for
 from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.nearby import near_pairs
 from radmpc.referee.simulation.collisions import (
     leaves_workspace,
     loses_range,
@@ -164,13 +164,10 @@ class Model:
             pairs = zip(vehicles, controls, strict=True)
             sagittas = np.array([v.system.sagitta @ u for v, u in pairs])
         radii = np.array([v.radius for v in vehicles])
-        met = []
-        for i, j in combinations(range(len(vehicles)), 2):
-            ours, theirs = slice(i, i + 1), slice(j, j + 1)
-            apart = begin[ours] - begin[theirs], end[ours] - end[theirs]
-            sagitta, reach = sagittas[ours] - sagittas[theirs], radii[ours] + radii[theirs]
-            if meets_origin(*apart, sagitta, reach)[0]:
-                met.append(Contact(self._step, "pair", vehicles[i].name, vehicles[j].name))
+        met = [
+            Contact(self._step, "pair", vehicles[i].name, vehicles[j].name)
+            for i, j in _met_pairs(begin, end, sagittas, radii)
+        ]
         for number, obstacle in enumerate(scenario.obstacles):
             hits = self._obstacle_hits(number, (begin, end, sagittas), radii)
             met += [
@@ -212,6 +209,19 @@ class Model:
             parts = swept(shape, obstacle.at(first + 1)[piece]) if sweeps else resting(shape)
             hits |= meets_solid(begin, end, sagittas, radii, parts)
         return hits
+
+
+def _met_pairs(
+    begin: Matrix, end: Matrix, sagittas: Matrix, radii: Vector
+) -> list[tuple[int, int]]:
+    """Return the pairs that meet between two moments, in ascending order."""
+    # No path is farther from its beginning than its chord and its sagitta are long.
+    spans = radii + np.linalg.norm(end - begin, axis=1) + np.linalg.norm(sagittas, axis=1)
+    pairs = near_pairs(begin, 2.0 * float(spans.max()))
+    one, two = pairs[:, 0], pairs[:, 1]
+    apart = begin[one] - begin[two], end[one] - end[two]
+    hits = meets_origin(*apart, sagittas[one] - sagittas[two], radii[one] + radii[two])
+    return [(i, j) for i, j in pairs[hits].tolist()]
 
 
 def _factors(covariances: Sequence[Matrix]) -> list[Matrix]:

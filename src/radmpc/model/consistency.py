@@ -145,10 +145,13 @@ def check_growth(vehicles: tuple[Vehicle, ...], horizon: int, dt: float) -> None
     ScenarioError
         With the vehicle whose states grow too large.
     """
-    is_bounded: dict[tuple[int, int], bool] = {}
+    # Vehicles of a fleet mostly have the same numbers, if seldom the same arrays.
+    is_bounded: dict[tuple[bytes, ...], bool] = {}
     for i, vehicle in enumerate(vehicles):
+        system = vehicle.system
+        numbers = system.A.tobytes(), system.B.tobytes()
         for gain, field in ((None, "dynamics"), (vehicle.gain, "feedback")):
-            key = (id(vehicle.system), id(gain))
+            key = numbers if gain is None else (*numbers, gain.tobytes())
             if key not in is_bounded:
                 is_bounded[key] = growth(vehicle.system, gain, horizon) <= _MOST_GROWTH
             if not is_bounded[key]:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import combinations
 
 import numpy as np
-import shapely
-from scipy.optimize import nnls
 from scipy.spatial import cKDTree
 
 from radmpc.arrays import Matrix, Tensor, Vector
-from radmpc.geometry import Polytope, hull, planar
+from radmpc.geometry import Polytope, hull
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.relations.concerns import is_for
@@ -19,6 +18,8 @@ from radmpc.plotting.canvas.letters import shortened
 from radmpc.plotting.curves import mean_path, positions
 from radmpc.plotting.deviations import Deviations, deviations
 from radmpc.plotting.interpolation import moving_outline
+from radmpc.plotting.near_obstacles import closest_of, least_shares
+from radmpc.plotting.nearest import nearest
 from radmpc.records import dataclass, replace
 
 __all__ = ["Clearance", "closest_clearances", "distances_at_steps", "touches_sweep"]
@@ -28,9 +29,6 @@ _NEAR = 12.0
 
 _FINENESS = 20
 """Points per step."""
-
-_HEAVY = 1e3
-"""Weight of a row of a least-squares problem that must hold."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,11 +99,7 @@ def closest_clearances(plan: Plan, most: int) -> tuple[Clearance, ...]:
     paths = np.array([_fine_path(plan, i, count) for i in range(len(plan.trajectories))])
     strays = deviations(plan, count)
     times = np.linspace(0.0, scenario.dt * scenario.horizon, paths.shape[1])
-    found: list[Clearance] = []
-    for obstacle in scenario.obstacles:
-        for i in range(len(paths)):
-            if is_for(obstacle, scenario.vehicles[i].name):
-                found.append(_of_obstacle(plan, i, obstacle, paths[i], strays.between[i], times))
+    found = _of_obstacles(plan, paths, strays, times, most)
     names = [vehicle.name for vehicle in scenario.vehicles]
     for i, j, within in keep_pairs(scenario.keep, names):
         pair = _of_pair(plan, i, j, paths, strays, times)
@@ -159,7 +153,7 @@ def distances_at_steps(plan: Plan, i: int, obstacle: Obstacle) -> Vector:
     """
     vehicle = plan.scenario.vehicles[i]
     places = positions(vehicle, plan.trajectories[i])
-    found = [_nearest(places[k : k + 1], obstacle.at(k))[0][0] for k in range(len(places))]
+    found = [nearest(places[k : k + 1], obstacle.at(k))[0][0] for k in range(len(places))]
     return np.array(found) - vehicle.radius
 
 
@@ -220,64 +214,57 @@ def _of_pair(
     return Clearance("{} – {}", names, times, distance, np.sqrt(variance), stride)
 
 
+def _of_obstacles(
+    plan: Plan, paths: Tensor, strays: Deviations, times: Vector, most: int
+) -> list[Clearance]:
+    """Return the distances to obstacles that may be among the closest."""
+    scenario, stride = plan.scenario, (len(times) - 1) // plan.scenario.horizon
+    radii = np.array([vehicle.radius for vehicle in scenario.vehicles])
+    met, bounds = list[tuple[int, int]](), list[float]()
+    for number, obstacle in enumerate(scenario.obstacles):
+        shares = least_shares(obstacle, paths, strays.between, radii, stride)
+        for i, vehicle in enumerate(scenario.vehicles):
+            if is_for(obstacle, vehicle.name):
+                met.append((number, i))
+                bounds.append(float(shares[i]))
+    shapes = cache(lambda number: _shapes(scenario.obstacles[number], len(times), stride))
+
+    def measured(k: int) -> Clearance:
+        number, i = met[k]
+        seen = paths[i], strays.between[i], times
+        return _of_obstacle(plan, i, scenario.obstacles[number], shapes(number), seen)
+
+    at_steps = scenario.avoidance == "steps"
+    return closest_of(bounds, measured, lambda one: one.least(at_steps=at_steps), most)
+
+
+def _shapes(obstacle: Obstacle, count: int, stride: int) -> tuple[Polytope, ...]:
+    """Return the pieces of an obstacle that stands still, or where one that moves is at points."""
+    if not obstacle.is_moving:
+        return obstacle.at(0)
+    shares = (np.arange(count) / stride).tolist()
+    return tuple(hull(moving_outline(obstacle, share)) for share in shares)
+
+
 def _of_obstacle(
-    plan: Plan, i: int, obstacle: Obstacle, path: Matrix, noise: Tensor, times: Vector
+    plan: Plan,
+    i: int,
+    obstacle: Obstacle,
+    shapes: tuple[Polytope, ...],
+    seen: tuple[Matrix, Tensor, Vector],
 ) -> Clearance:
     """Return the distance between a vehicle's hull and an obstacle."""
-    vehicle = plan.scenario.vehicles[i]
+    vehicle, (path, noise, times) = plan.scenario.vehicles[i], seen
     stride = (len(times) - 1) // plan.scenario.horizon
     if obstacle.is_moving:
-        shares = np.arange(len(path)) / stride
-        at_steps = [
-            _nearest(path[k : k + 1], (hull(moving_outline(obstacle, float(share))),))
-            for k, share in enumerate(shares)
-        ]
+        at_steps = [nearest(path[k : k + 1], (shape,)) for k, shape in enumerate(shapes)]
         distance = np.concatenate([found[0] for found in at_steps])
         along = np.concatenate([found[1] for found in at_steps])
     else:
-        distance, along = _nearest(path, obstacle.at(0))
+        distance, along = nearest(path, shapes)
     if obstacle.spread is not None:
         steps = np.minimum(np.arange(len(path)) // stride, plan.scenario.horizon - 1)
         noise = noise + obstacle.spread.between(steps, np.arange(len(path)) / stride - steps)
     variance = np.einsum("pa,pab,pb->p", along, noise, along)
     names, left = (vehicle.name, obstacle.name), distance - vehicle.radius
     return Clearance("{}, {}", names, times, left, np.sqrt(variance), stride)
-
-
-def _nearest(points: Matrix, pieces: tuple[Polytope, ...]) -> tuple[Vector, Matrix]:
-    """Return distance and direction from convex pieces to points; inside, from the next face."""
-    found = [_nearest_of(points, piece) for piece in pieces]
-    best = np.argmin([distance for distance, _ in found], axis=0)
-    rows = np.arange(len(points))
-    distances = np.array([distance for distance, _ in found])
-    return distances[best, rows], np.array([along for _, along in found])[best, rows]
-
-
-def _nearest_of(points: Matrix, piece: Polytope) -> tuple[Vector, Matrix]:
-    """Return distance and direction from a convex piece to points."""
-    slack = points @ piece.normals.T - piece.offsets
-    face = slack.argmax(axis=1)
-    distance, along = slack.max(axis=1), piece.normals[face]
-    outside = np.flatnonzero(distance > 0.0)
-    if outside.size:
-        away = points[outside] - _feet(points[outside], piece)
-        length = np.linalg.norm(away, axis=1)
-        far = length > 1e-9
-        along[outside[far]] = away[far] / length[far, None]
-        distance[outside[far]] = length[far]
-    return distance, along
-
-
-def _feet(points: Matrix, piece: Polytope) -> Matrix:
-    """Return the points of a convex piece that are nearest to points outside."""
-    if points.shape[1] == 2:
-        lines = shapely.shortest_line(planar(piece), shapely.points(points))
-        return np.asarray(shapely.get_coordinates(shapely.get_point(lines, 0)))
-    # Least squares over weights of the corners; a heavy row makes the weights sum to one.
-    corners = piece.vertices - piece.vertices.mean(axis=0)
-    heavy = _HEAVY * max(float(np.abs(corners).max()), 1.0)
-    matrix = np.vstack([corners.T, np.full(len(corners), heavy)])
-    offsets = points - piece.vertices.mean(axis=0)
-    weights = np.array([nnls(matrix, np.append(w, heavy))[0] for w in offsets])
-    weights /= weights.sum(axis=1, keepdims=True)
-    return np.asarray(weights @ piece.vertices)

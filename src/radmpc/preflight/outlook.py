@@ -11,6 +11,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor
 from radmpc.model.given import check_scenario
 from radmpc.model.relations.concerns import met_by
+from radmpc.model.relations.subset import kept_and_met
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.planners.reaching.around import Late, WaysAround
@@ -217,8 +218,8 @@ def _vehicle(
         saturation = expected_saturation(vehicle, covariances, controls, samples)
         if closed is None:
             goal = (vehicle.goal.lower, vehicle.goal.upper)
-            mine = replace(scenario, obstacles=met_by(scenario.obstacles, vehicle.name))
-            traveler = Traveler(mine, vehicle.radius, vehicle.start_position, goal, places, reach)
+            mine, start = _met_by(scenario, vehicle), vehicle.start_position
+            traveler = Traveler(mine, vehicle.radius, start, goal, places, reach)
             narrowest = narrowest_place(traveler, work)
     if closed is not None:
         narrowest = closed_place(closed, vehicle.radius, places[-1])
@@ -235,6 +236,15 @@ def _vehicle(
         visits=visits,
         closed=closed,
     )
+
+
+def _met_by(scenario: Scenario, vehicle: Vehicle) -> Scenario:
+    """Return a scenario with what concerns a vehicle; nothing made anew checks a whole fleet."""
+    met = met_by(scenario.obstacles, vehicle.name)
+    if len(met) == len(scenario.obstacles):
+        return scenario
+    _, mine = kept_and_met((vehicle,), (), met)
+    return replace(scenario, vehicles=(vehicle,), obstacles=mine, keep=(), goals=())
 
 
 def _least_times(

@@ -223,7 +223,7 @@ def _far_from_pieces(
     """Yield who is far from each piece in every window, which may be off its track, if any."""
     boxes = []
     for number, _, pieces in pieces_of(scenario, 0):
-        lower, upper = boxes_of(pieces, balls, intervals=intervals)
+        lower, upper = boxes_of(pieces, intervals=intervals)
         place = -1 if motion.tracks is None else int(motion.tracks.places[number])
         if motion.tracks is not None and place >= 0:
             # Deviations of two add up to less than their sum.
@@ -255,7 +255,7 @@ def near_pieces(
     """
     mine, every, boxes = concerned(scenario), list(pieces_of(scenario, step)), []
     for number, _, shapes in every:
-        lower, upper = boxes_of(shapes, balls, intervals=intervals)
+        lower, upper = boxes_of(shapes, intervals=intervals)
         if reaches is not None:
             more = in_windows(reaches[number, step:], intervals=intervals)[:, None]
             lower, upper = lower - more, upper + more

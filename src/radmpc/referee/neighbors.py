@@ -122,15 +122,15 @@ def far_from_boxes(
     ----------
     balls : Balls
         Of all vehicles.
-    boxes : sequence of tuple of (K, d) array
-        Lower and upper corners of each box in each window [m].
+    boxes : sequence of tuple of (K, d) or (1, d) array
+        Lower and upper corners of each box in each window, or in all of them [m].
     """
     if not boxes:
         return
     shape = balls.centers.shape[1:]
-    lower, upper = (
-        np.array([np.broadcast_to(c, shape) for c in each]) for each in zip(*boxes, strict=True)
-    )
+    lower, upper = np.empty((2, len(boxes), *shape))
+    for number, (low, high) in enumerate(boxes):
+        lower[number], upper[number] = low, high
     # Most vehicles never come near most boxes.
     far = _apart(balls, lower.min(axis=1), upper.max(axis=1))
     box, who = np.nonzero(~far)

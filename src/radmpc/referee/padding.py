@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.arrays import Tensor
+from radmpc.arrays import Matrix, Tensor
 from radmpc.geometry import Polytope
 from radmpc.referee.contact import solid_of
 
@@ -15,23 +15,24 @@ __all__ = ["padded_edges", "padded_normals", "padded_vertices"]
 
 def padded_vertices(pieces: Sequence[Sequence[Polytope]]) -> Tensor:
     """Return the corners of each piece at each step, (p, steps, V, d)."""
-    largest = max(len(piece.vertices) for steps in pieces for piece in steps)
-    return np.array([[_padded(piece.vertices, largest) for piece in steps] for steps in pieces])
+    padded = _padded([piece.vertices for steps in pieces for piece in steps])
+    return padded.reshape(len(pieces), -1, *padded.shape[1:])
 
 
 def padded_normals(pieces: Sequence[Sequence[Polytope]]) -> Tensor:
     """Return the axes and the distinct normals of each piece over all steps, (p, G, d)."""
     d = pieces[0][0].dimension
     axes = np.concatenate([np.eye(d), -np.eye(d)])
-    normals = []
-    for steps in pieces:
-        faces = np.vstack([piece.normals for piece in steps])
-        if len(steps) > 1:
-            _, kept = np.unique(faces.round(12), axis=0, return_index=True)
-            faces = faces[kept]
-        normals.append(np.vstack([axes, faces]))
-    largest = max(len(faces) for faces in normals)
-    return np.array([_padded(faces, largest) for faces in normals])
+    return _padded([_distinct_normals(steps) for steps in pieces], axes)
+
+
+def _distinct_normals(steps: Sequence[Polytope]) -> Matrix:
+    """Return the distinct normals of a piece over all steps, (f, d)."""
+    if len(steps) == 1:
+        return steps[0].normals
+    faces = np.vstack([piece.normals for piece in steps])
+    _, kept = np.unique(faces.round(12), axis=0, return_index=True)
+    return np.asarray(faces[kept])
 
 
 def padded_edges(pieces: Sequence[Sequence[Polytope]]) -> Tensor:
@@ -39,11 +40,22 @@ def padded_edges(pieces: Sequence[Sequence[Polytope]]) -> Tensor:
     d = pieces[0][0].dimension
     if d == 2:
         return np.zeros((len(pieces), len(pieces[0]), 0, 2, d))
-    edges = [[solid_of(piece).edges for piece in steps] for steps in pieces]
-    most = max(len(rows) for steps in edges for rows in steps)
-    return np.array([[_padded(rows, most) for rows in steps] for steps in edges])
+    padded = _padded([solid_of(piece).edges for steps in pieces for piece in steps])
+    return padded.reshape(len(pieces), -1, *padded.shape[1:])
 
 
-def _padded(rows: Tensor, count: int) -> Tensor:
-    """Repeat the first row until there are enough."""
-    return np.concatenate([rows, np.repeat(rows[:1], count - len(rows), axis=0)])
+def _padded(every: Sequence[Tensor], before: Tensor | None = None) -> Tensor:
+    """Stack rows, common ones before them if any; each one's first is repeated up to the most.
+
+    Those with as many rows are stacked at once: maps hold thousands of pieces.
+    """
+    counts = np.array([len(rows) for rows in every])
+    first = 0 if before is None else len(before)
+    padded = np.empty((len(every), first + int(counts.max()), *every[0].shape[1:]))
+    if before is not None:
+        padded[:, :first] = before
+    for count in np.unique(counts).tolist():
+        which = np.flatnonzero(counts == count)
+        padded[which, first : first + count] = np.array([every[k] for k in which.tolist()])
+        padded[which, first + count :] = padded[which, :1]
+    return padded

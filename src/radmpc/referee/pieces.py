@@ -11,7 +11,6 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.geometry import Polytope
 from radmpc.model.relations.concerns import is_for
 from radmpc.model.scenario import Scenario
-from radmpc.referee.neighbors import Balls
 
 __all__ = ["boxes_of", "concerned", "in_windows", "pieces_of"]
 
@@ -51,29 +50,24 @@ def pieces_of(scenario: Scenario, step: int) -> Iterator[tuple[int, int, Sequenc
                 yield number, piece, [shape]
 
 
-def boxes_of(pieces: Sequence[Polytope], balls: Balls, *, intervals: bool) -> tuple[Matrix, Matrix]:
+def boxes_of(pieces: Sequence[Polytope], *, intervals: bool) -> tuple[Matrix, Matrix]:
     """Return the corners of the box around a piece in each window.
 
     Parameters
     ----------
     pieces : sequence of Polytope
         One shape, or one per step.
-    balls : Balls
-        Where vehicles are in each window.
     intervals : bool
         Whether windows are intervals, or steps.
 
     Returns
     -------
     lower, upper : (W, d) array
-        Per window [m].
+        Per window [m]; (1, d), the same in all of them, of one shape.
     """
     lower = np.array([p.vertices.min(axis=0) for p in pieces])
     upper = np.array([p.vertices.max(axis=0) for p in pieces])
-    if len(pieces) == 1:
-        shape = balls.centers.shape[1:]
-        return np.broadcast_to(lower, shape), np.broadcast_to(upper, shape)
-    if intervals:
+    if intervals and len(pieces) > 1:
         lower = np.minimum(lower[:-1], lower[1:])
         upper = np.maximum(upper[:-1], upper[1:])
     return lower, upper

@@ -9,6 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.records import dataclass
+from radmpc.referee.supports import is_searched, planar_supports
 
 __all__ = ["Chords", "Sites", "chords", "joined", "joined_rows", "over_ends"]
 
@@ -138,16 +139,19 @@ def chords(sites: Sites, directions: Tensor) -> Chords:
         Unit normals [-].
     """
     count, ends, d = sites.means.shape
-    num_sets, corners = sites.vertices.shape[1:3]
-    parts = [sites.means, sites.vertices, sites.sagittas, sites.covariances]
+    supports = _searched_supports(sites.vertices, directions)
+    compared = sites.vertices if supports is None else sites.vertices[:, :0]
+    num_sets, corners = compared.shape[1:3]
+    parts = [sites.means, compared, sites.sagittas, sites.covariances]
     columns = np.concatenate([part.reshape(count, -1, d) for part in parts], axis=1)
     turned = directions.transpose(2, 0, 1)
     products = np.empty((columns.shape[1], *turned.shape[1:]))
     np.matmul(columns, turned.transpose(1, 0, 2), out=products.transpose(1, 0, 2))
     along, products = products[:ends], products[ends:]
-    supports = [products[k * corners : (k + 1) * corners].max(axis=0) for k in range(num_sets)]
+    if supports is None:
+        supports = [products[k * corners : (k + 1) * corners].max(axis=0) for k in range(num_sets)]
     support = supports[0][None]
-    if num_sets == 2:
+    if len(supports) == 2:
         blend = sites.blends.T[:, :, None]
         # The support of a Minkowski interpolation is that of the supports.
         support = (1.0 - blend) * supports[0] + blend * supports[1]
@@ -157,6 +161,15 @@ def chords(sites: Sites, directions: Tensor) -> Chords:
     variance = reduce(np.add, [spread[:, axis] * turned[axis] for axis in range(d)])
     deviations = np.sqrt(np.maximum(variance, 0.0))
     return Chords(margins.transpose(1, 2, 0), deviations.transpose(1, 2, 0), sagittas)
+
+
+def _searched_supports(vertices: Tensor, directions: Tensor) -> list[Matrix] | None:
+    """Return the supports of each set along directions; None where all corners are compared."""
+    if not is_searched(vertices.shape[2], *directions.shape[1:]):
+        return None
+    found = [planar_supports(vertices[:, k], directions) for k in range(vertices.shape[1])]
+    known = [each for each in found if each is not None]
+    return known if len(known) == len(found) else None
 
 
 def over_ends(risks: Tensor) -> Tensor:

@@ -7,8 +7,6 @@ than about (v h)² / (8 r): 0.2 mm for 1.5 m/s, 0.05 s and 3 m.
 
 from __future__ import annotations
 
-from itertools import combinations
-
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import nnls
@@ -17,6 +15,7 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.flying.tick import Contact
 from radmpc.model.relations.concerns import is_for
 from radmpc.model.scenario import Scenario
+from radmpc.nearby import near_pairs_ever
 
 __all__ = ["Surroundings", "hull_distance"]
 
@@ -69,7 +68,8 @@ class Surroundings:
         inside = positions if tracked is None else tracked
         vehicles, workspace = self._scenario.vehicles, self._scenario.workspace
         met = []
-        for i, j in combinations(range(len(vehicles)), 2):
+        farthest = np.full(len(positions), 2.0 * float(self._radii.max()))
+        for i, j in near_pairs_ever(positions.transpose(1, 0, 2), farthest).tolist():
             apart = np.linalg.norm(positions[:, i] - positions[:, j], axis=1)
             if apart.min() < self._radii[i] + self._radii[j] - _TOUCH:
                 met.append(Contact(step, "pair", vehicles[i].name, vehicles[j].name))
