@@ -139,11 +139,13 @@ def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterato
     else:
         for turning in _sides(begin, limits):
             yield Attempt(turning, TUNING.max_sweeps)
-    from radmpc.planners.certified.turned.placing import placed_apart  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.placing import placed_apart, placed_in_space  # noqa: PLC0415 - few need it
 
     yield from placed_apart(begin, rng, limits)
     if routes:
         yield Attempt(begin.referring(usually), TUNING.max_sweeps)
+    # There is room in space: mostly even speeds will do, at less cost.
+    yield from placed_in_space(begin, rng, limits)
     for _ in range(TUNING.attempts):
         drawn = {i: timed_anyhow(hazards, i, one.corners, rng) for i, one in routes.items()}
         for i in meeting:

@@ -217,9 +217,10 @@ def _graph(grid: Grid, weights: Vector) -> csr_array:
         one, two = numbers[begin].ravel(), numbers[end].ravel()
         mean = 0.5 * (weights[one] + weights[two])
         open_edges = np.isfinite(mean)
-        rows.append(one[open_edges])
-        columns.append(two[open_edges])
-        lengths.append(mean[open_edges] * grid.spacing * float(np.linalg.norm(step)))
+        one, two = one[open_edges], two[open_edges]
+        rows.append(one)
+        columns.append(two)
+        lengths.append(mean[open_edges] * grid.edges(one, two, step))
     entries = (np.concatenate(lengths), (np.concatenate(rows), np.concatenate(columns)))
     count = len(grid.points)
     return csr_array(coo_array(entries, shape=(count, count)))

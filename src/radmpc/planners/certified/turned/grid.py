@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -21,6 +22,9 @@ and 0.6 s, and 0.4 s for each route over all of them; in space 130 MB and 0.3 s.
 
 COARSE = 1.5
 """Spacing of a grid up to which it tells corners and doors apart [radii of the smallest]."""
+
+_THINNED = np.array([0.1, 0.3, 0.7])
+"""Distances of planes beside each other that are tried, one after the other [radii]."""
 
 _BORDER = 3.0
 """Width of the border around starts, goals and obstacles [radii]."""
@@ -55,12 +59,16 @@ class Grid:
         Their distance along an axis [m].
     distances : (p,) array
         Largest distance of a face of the nearest obstacle, negative inside; inf far away [m].
+    axes : tuple of arrays or None
+        Their coordinates along each axis where they are spread unevenly [m]; the spacing is the
+        radius of the smallest hull then.
     """
 
     points: Matrix
     shape: tuple[int, ...]
     spacing: float
     distances: Vector
+    axes: tuple[Vector, ...] | None = None
 
     @classmethod
     def of(cls, hazards: Hazards, count: int | None = None) -> Grid:
@@ -74,29 +82,56 @@ class Grid:
             Points along the longest axis, distances past corners exact in the plane; None for the
             usual number, and distances of faces alone.
         """
-        shapes, d = hazards.shapes, hazards.dimension
-        standing, (lower, upper) = _standing(hazards), _extent(hazards)
+        d, (lower, upper) = hazards.dimension, _extent(hazards)
         spacing = float((upper - lower).max()) / (count or _POINTS[d])
-        axes = [np.arange(lower[a], upper[a] + 1e-9, spacing) for a in range(d)]
-        mesh = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-        distances = np.full(mesh.shape[:-1], np.inf)
-        spread = float(np.sqrt(hazards.variances.max(initial=0.0)))
-        far = float(hazards.radii.max()) + FREE * spread + spacing
-        for piece in standing:
-            near = shapes.lower[piece, 0] - far, shapes.upper[piece, 0] + far
-            part = tuple(
-                slice(*np.searchsorted(axis, (near[0][a], near[1][a])))
-                for a, axis in enumerate(axes)
+        axes = tuple(np.arange(lower[a], upper[a] + 1e-9, spacing) for a in range(d))
+        mesh, distances = _laid_out(hazards, axes, spacing, is_exact=count is not None)
+        return cls(mesh.reshape(-1, d), distances.shape, spacing, distances.ravel())
+
+    @classmethod
+    def beside_faces(cls, hazards: Hazards, clearance: float) -> Grid | None:
+        """Lay out a grid whose planes are beside obstacles and amid the gaps between them.
+
+        Large halls are told apart from their windows with few points.
+
+        Parameters
+        ----------
+        hazards : Hazards
+            The fleet.
+        clearance : float
+            Standard deviations that planes keep from obstacles, beside the largest radius [-].
+
+        Returns
+        -------
+        Grid or None
+            None where it would have too many points.
+        """
+        radius, d = max(float(hazards.radii.min()), _TINY), hazards.dimension
+        lower, upper = _extent(hazards)
+        fill = float((upper - lower).max()) / _POINTS[d]
+        for apart in radius * _THINNED:
+            axes = tuple(
+                _filled(_thinned(_planes(hazards, a, clearance), apart), lower[a], upper[a], fill)
+                for a in range(d)
             )
-            faces = shapes.faces[piece, 0]
-            faces = faces[faces.any(axis=1)]
-            offsets = (faces @ shapes.vertices[piece, 0].T).max(axis=1)
-            outside = (mesh[part] @ faces.T - offsets).max(axis=-1)
-            if count is not None or _is_sharp(faces, shapes.vertices[piece, 0]):
-                outside = np.maximum(outside, _from_corners(mesh[part], shapes.vertices[piece, 0]))
-            distances[part] = np.minimum(distances[part], outside)
-        shape = distances.shape
-        return cls(mesh.reshape(-1, d), shape, spacing, distances.ravel())
+            if math.prod(axis.size for axis in axes) <= _MOST_POINTS[d]:
+                mesh, distances = _laid_out(hazards, axes, fill, is_exact=True)
+                return cls(mesh.reshape(-1, d), distances.shape, radius, distances.ravel(), axes)
+        return None
+
+    def edges(self, one: Indices, two: Indices, step: Indices) -> Vector:
+        """Return how far points are from their neighbors, (e,) [m].
+
+        Parameters
+        ----------
+        one, two : (e,) int array
+            The points and their neighbors.
+        step : (d,) int array
+            How many points these are farther along each axis.
+        """
+        if self.axes is None:
+            return np.full(len(one), self.spacing * float(np.linalg.norm(step)))
+        return np.asarray(np.linalg.norm(self.points[one] - self.points[two], axis=1))
 
     def nearest(self, place: Vector, open_points: np.ndarray) -> int:
         """Return the number of the open point next to a place; -1 where none is open.
@@ -108,9 +143,11 @@ class Grid:
         open_points : (p,) bool array
             Which points may be taken.
         """
+        every = np.arange(len(self.points))
+        if self.axes is not None:
+            return self._nearest_of(place, every[open_points])
         at = np.floor((place - self.points[0]) / self.spacing).astype(np.int64)
         beside = tuple(slice(max(k - _BESIDE, 0), max(k + _BESIDE + 2, 0)) for k in at.tolist())
-        every = np.arange(len(self.points))
         for numbers, reach in (
             (every.reshape(self.shape)[beside].ravel(), _BESIDE * self.spacing),
             (every, np.inf),
@@ -120,6 +157,70 @@ class Grid:
             if is_open.size and float(away.min()) < reach:
                 return int(is_open[away.argmin()])
         return -1
+
+    def _nearest_of(self, place: Vector, numbers: Indices) -> int:
+        """Return that of several points which is next to a place; -1 of none."""
+        if not numbers.size:
+            return -1
+        away = np.linalg.norm(self.points[numbers] - place, axis=1)
+        return int(numbers[away.argmin()])
+
+
+def _laid_out(
+    hazards: Hazards, axes: tuple[Vector, ...], spacing: float, *, is_exact: bool
+) -> tuple[Tensor, Tensor]:
+    """Return the points between coordinates along each axis, and how far each is from obstacles."""
+    shapes = hazards.shapes
+    mesh = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    distances = np.full(mesh.shape[:-1], np.inf)
+    spread = float(np.sqrt(hazards.variances.max(initial=0.0)))
+    far = float(hazards.radii.max()) + FREE * spread + spacing
+    for piece in _standing(hazards):
+        near = shapes.lower[piece, 0] - far, shapes.upper[piece, 0] + far
+        part = tuple(
+            slice(*np.searchsorted(axis, (near[0][a], near[1][a]))) for a, axis in enumerate(axes)
+        )
+        faces = shapes.faces[piece, 0]
+        faces = faces[faces.any(axis=1)]
+        offsets = (faces @ shapes.vertices[piece, 0].T).max(axis=1)
+        outside = (mesh[part] @ faces.T - offsets).max(axis=-1)
+        if is_exact or _is_sharp(faces, shapes.vertices[piece, 0]):
+            outside = np.maximum(outside, _from_corners(mesh[part], shapes.vertices[piece, 0]))
+        distances[part] = np.minimum(distances[part], outside)
+    return mesh, distances
+
+
+def _planes(hazards: Hazards, axis: int, clearance: float) -> Vector:
+    """Return where planes stand across an axis: on faces, beside them, and amid gaps [m]."""
+    standing, radii = _standing(hazards), hazards.radii
+    lower = np.unique(hazards.shapes.lower[standing, 0, axis])
+    upper = np.unique(hazards.shapes.upper[standing, 0, axis])
+    spread = float(np.sqrt(hazards.variances.max(initial=0.0) / hazards.dimension))
+    beside = float(radii.max()) + clearance * spread
+    gaps = lower[None, :] - upper[:, None]
+    above, below = np.nonzero((gaps >= 2.0 * float(radii.min())) & (gaps <= 2.0 * beside))
+    amid = 0.5 * (upper[above] + lower[below])
+    return np.unique(np.concatenate([amid, lower, upper, lower - beside, upper + beside]))
+
+
+def _thinned(planes: Vector, apart: float) -> Vector:
+    """Return planes that are some distance apart, of those nearer to each other the first [m]."""
+    kept: list[float] = []
+    for plane in planes.tolist():
+        if not kept or plane >= kept[-1] + apart:
+            kept.append(plane)
+    return np.array(kept)
+
+
+def _filled(planes: Vector, lower: float, upper: float, fill: float) -> Vector:
+    """Return the planes between two ends, and these, with others where they are far apart [m]."""
+    inner = planes[(planes > lower + _TINY) & (planes < upper - _TINY)]
+    every = np.concatenate([[lower], inner, [upper]])
+    parts = [
+        np.linspace(a, b, math.ceil((b - a) / fill) + 1)[:-1]
+        for a, b in itertools.pairwise(every.tolist())
+    ]
+    return np.concatenate([*parts, [upper]])
 
 
 def finest(hazards: Hazards) -> tuple[int, float]:

@@ -12,12 +12,20 @@ from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.knots import joint_routes
 from radmpc.planners.certified.turned.narrow.pacing import Pacing
 from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks
-from radmpc.planners.certified.turned.narrow.routes import pulled_routes, shortest_routes
+from radmpc.planners.certified.turned.narrow.routes import (
+    distinct_corners,
+    pulled_routes,
+    shortest_routes,
+)
 from radmpc.planners.certified.turned.paths import evenly
+from radmpc.planners.certified.turned.straight import StandingFaces
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.solvers.solution import Limits
 
-__all__ = ["placed_apart"]
+__all__ = ["placed_apart", "placed_in_space"]
+
+_PLANE = 2
+"""Dimension in which vehicles are placed in order, or all together."""
 
 
 def placed_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
@@ -50,6 +58,28 @@ def placed_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iter
         yield from placing.as_ordered()
 
 
+def placed_in_space(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
+    """Place vehicles in space on routes that are known, at a pace that takes their corners.
+
+    Parameters
+    ----------
+    begin, rng, limits
+        As in `placed_apart`.
+
+    Yields
+    ------
+    Attempt
+        Begins with these places; nothing in the plane, without obstacles in the way, or where
+        visits are asked for.
+    """
+    hazards = begin.task.hazards
+    is_space = hazards.dimension != _PLANE and not limits.reached
+    vehicles = [model.vehicle for model in hazards.models]
+    are_apt = all(v.system.is_double_integrator and not v.via for v in vehicles)
+    if begin.routes and is_space and are_apt:
+        yield from _Placing(begin, rng, limits).in_space()
+
+
 class _Placing:
     """The paces of a fleet, and where prioritized planning has vehicles at each step."""
 
@@ -69,6 +99,15 @@ class _Placing:
         if self._clear is None or self._pacing is None:
             return
         self._pacing.offer(shortest_routes(hazards, self._clear, clearance))
+        yield from self._paced(self._pacing.run(range(hazards.count), self._is_stopped))
+
+    def in_space(self) -> Iterator[Attempt]:
+        """Begin on the routes that are known, others on straight lines."""
+        hazards, alone = self._begin.task.hazards, self._begin.alone.paths.means
+        self._pacing = Pacing(hazards, StandingFaces.of(hazards), self._begin.clearance)
+        corners = {i: alone[i][[0, -1]] for i in range(hazards.count)}
+        corners |= {i: route.corners for i, route in self._begin.routes.items()}
+        self._pacing.offer({i: [distinct_corners(route)] for i, route in corners.items()})
         yield from self._paced(self._pacing.run(range(hazards.count), self._is_stopped))
 
     def in_order(self) -> Iterator[Attempt]:

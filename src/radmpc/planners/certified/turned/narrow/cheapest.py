@@ -11,6 +11,7 @@ from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.detours import NARROW, Toll, detours
 from radmpc.planners.certified.turned.grid import Grid, finest
 from radmpc.planners.certified.turned.narrow.route import Route
+from radmpc.planners.certified.turned.straight import are_open, pulled
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.hazards import Hazards
@@ -44,6 +45,9 @@ _MISSED, _MOST_MISSED, _LACKING = 0.02, 0.2, 10.0
 turning half-spaces gains that [m]; and what is charged for the rest of it [effort per m]. Among the
 nine boxes of db-CBS `forest` cheap routes miss 0.03 to 0.09 m, and those that miss nothing cost
 twice as much."""
+
+_PLANE = 2
+"""Dimension in which paces are sought beside, on a grid of their own."""
 
 _ENOUGH = 0.1
 """What a vehicle may miss on a path of least effort for none with less risk to be sought [m]."""
@@ -105,13 +109,38 @@ def cheapest_routes(
 def _shortest(
     hazards: Hazards, stopped: Sequence[int] | Indices, clearance: float, grid: Grid
 ) -> dict[int, Matrix]:
-    """Return the shortest routes; of those without one, on a grid that tells narrower ways."""
+    """Return the shortest routes; of those without one, on a grid that tells narrower ways.
+
+    Between points of a coarse grid an obstacle may stand.
+    """
     found = detours(hazards, stopped, clearance, grid)
-    left = [int(i) for i in stopped if i not in found]
+    is_space = hazards.dimension != _PLANE
+    left = [
+        int(i)
+        for i in stopped
+        if i not in found or (is_space and not _is_open(hazards, found[int(i)]))
+    ]
     count = finest(hazards)[0] if left else 0
     if count <= max(grid.shape):
         return found
-    return found | detours(hazards, left, clearance, Grid.of(hazards, count))
+    finer = Grid.beside_faces(hazards, clearance) if is_space else None
+    if finer is None:
+        return found | detours(hazards, left, clearance, Grid.of(hazards, count))
+    others = detours(hazards, left, clearance, finer)
+    return found | {i: _pulled(hazards, i, route, clearance) for i, route in others.items()}
+
+
+def _pulled(hazards: Hazards, i: int, route: Matrix, clearance: float) -> Matrix:
+    """Return a vehicle's route, pulled straight unless it leads to visits."""
+    if hazards.models[i].vehicle.via:
+        return route
+    spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
+    return pulled(hazards, route, float(hazards.radii[i]) + clearance * spread)
+
+
+def _is_open(hazards: Hazards, route: Matrix) -> bool:
+    """Whether a route leads through no obstacle."""
+    return bool(are_open(hazards, route[:-1], route[1:]).all())
 
 
 @dataclass(slots=True, eq=False)

@@ -8,10 +8,11 @@ from scipy.spatial import cKDTree
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.grid import COARSE, Grid, finest
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
+from radmpc.planners.certified.turned.straight import StandingFaces
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass, replace
 
-__all__ = ["Clear"]
+__all__ = ["Clear", "Kept"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -151,3 +152,7 @@ def _least(grid: Grid) -> Vector:
     elif not is_known.all():
         least[~is_known] = cKDTree(grid.points[is_known]).query(grid.points[~is_known])[0]
     return least
+
+
+Kept = tuple[Clear | StandingFaces, float]
+"""How far places are from obstacles, and standard deviations to keep from them [-]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,6 +17,9 @@ if is_compiled():
     from radmpc.solvers import _compiled
 
 __all__ = ["closeness", "passing_by"]
+
+_PLANE = 2
+"""Dimension that compiled code is for; in space, the axes that tell who passes by at all."""
 
 
 def closeness(
@@ -41,7 +45,7 @@ def closeness(
     spread = float(np.sqrt(variance / hazards.dimension))
     touching = float(hazards.radii[i] + hazards.radii[other])
     terms = touching + clearance * spread, touching + spread, each.price
-    if not is_compiled():
+    if not is_compiled() or hazards.dimension != _PLANE:
         return _measured(places, path, most, terms, is_along=hazards.intervals)
     path = np.ascontiguousarray(path)
     found = _compiled.passing_costs(places, path, most, terms, hazards.intervals)
@@ -60,8 +64,11 @@ def _measured(
     ends = np.minimum(near[:, None] + np.arange(most), len(places) - 1)
     begin = places[near] - path[step]
     # By axes: arrays of pairs, and sums over two numbers each, take three times as long.
-    end = [places[:, axis][ends] - path[step + 1, axis][:, None] for axis in (0, 1)]
-    distance = np.hypot(*(_closest(begin, end) if is_along else end))
+    end = [
+        column[ends] - after[:, None]
+        for column, after in zip(places.T, path[step + 1].T, strict=True)
+    ]
+    distance = _length(_closest(begin, end) if is_along else end)
     lack = price * np.maximum(apart - distance, 0.0)
     lack[distance < touching] = np.inf
     # Four fifths of what may be near is not, whatever the move, and all of it is kept for long.
@@ -95,7 +102,8 @@ def passing_by(
     # Two cells around all places, so that what is clipped is outside.
     origin = places.min(axis=0) - 2.0 * reach
     of_places = ((places - origin) / reach).astype(np.int64)
-    is_near = np.zeros(of_places.max(axis=0) + 3, dtype=bool)
+    # Above or below counts as near.
+    is_near = np.zeros(of_places.max(axis=0)[:_PLANE] + 3, dtype=bool)
     for x in (-1, 0, 1):
         for y in (-1, 0, 1):
             is_near[of_places[:, 0] + x, of_places[:, 1] + y] = True
@@ -111,16 +119,27 @@ def _widest(places: Matrix) -> float:
 
 def _near(places: Matrix, path: Matrix, reaches: Vector) -> tuple[Indices, Indices]:
     """Return the places and steps, (c,) each, at which a path is within reach of a place."""
-    aside = [places[:, None, axis] - path[:-1, axis] for axis in (0, 1)]
-    near, step = np.nonzero(np.square(aside[0]) + np.square(aside[1]) < np.square(reaches))
+    aside = [column[:, None] - other[:-1] for column, other in zip(places.T, path.T, strict=True)]
+    near, step = np.nonzero(_squared(aside) < np.square(reaches))
     return near, step
 
 
 def _closest(begin: Matrix, end: Sequence[Matrix]) -> list[Matrix]:
     """Return the place nearest to the origin on the way of each move, by axes, (c, m) each."""
-    start = [begin[:, axis][:, None] for axis in (0, 1)]
+    start = [column[:, None] for column in begin.T]
     along = [last - first for first, last in zip(start, end, strict=True)]
-    square = np.square(along[0]) + np.square(along[1])
-    ahead = -(start[0] * along[0] + start[1] * along[1])
+    square = _squared(along)
+    ways = [first * way for first, way in zip(start, along, strict=True)]
+    ahead = -functools.reduce(np.add, ways)
     share = np.clip(ahead / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
     return [first + share * way for first, way in zip(start, along, strict=True)]
+
+
+def _squared(axes: Sequence[Matrix]) -> Matrix:
+    """Return the square of a length from what it is along each axis [m²]."""
+    return np.asarray(functools.reduce(np.add, [np.square(axis) for axis in axes]))
+
+
+def _length(axes: Sequence[Matrix]) -> Matrix:
+    """Return a length from what it is along each axis [m]."""
+    return np.asarray(functools.reduce(np.hypot, axes))

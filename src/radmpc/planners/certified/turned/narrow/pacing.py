@@ -11,6 +11,7 @@ from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.closeness import closeness, passing_by
 from radmpc.planners.certified.turned.narrow.track import Closeness, Track, track
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
+from radmpc.planners.certified.turned.straight import StandingFaces
 from radmpc.program.hazards import Hazards
 
 __all__ = ["Pacing"]
@@ -22,14 +23,14 @@ class Pacing:
     Parameters
     ----------
     hazards : Hazards
-        The fleet: double integrators in the plane.
-    clear : Clear
+        The fleet: double integrators.
+    clear : Clear or StandingFaces
         How far places are from obstacles.
     clearance : float
         Standard deviations to keep from everything [-].
     """
 
-    def __init__(self, hazards: Hazards, clear: Clear, clearance: float) -> None:
+    def __init__(self, hazards: Hazards, clear: Clear | StandingFaces, clearance: float) -> None:
         self._hazards, self._clearance = hazards, clearance
         self._kept = clear, clearance
         self._routes: dict[int, list[Matrix]] = {}

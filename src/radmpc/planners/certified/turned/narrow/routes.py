@@ -13,7 +13,7 @@ from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.tuning import TUNING
 from radmpc.program.hazards import Hazards
 
-__all__ = ["pulled_routes", "shortest_routes"]
+__all__ = ["distinct_corners", "pulled_routes", "shortest_routes"]
 
 _LITTLE = 1e-6
 """Distance below which points of a route are the same [m]."""
@@ -30,7 +30,9 @@ def shortest_routes(
         As in `Pacing`.
     """
     found = detours(hazards, range(hazards.count), clearance, clear.grid)
-    return {i: [_distinct(_pulled(hazards, clear, i, [route])[0])] for i, route in found.items()}
+    return {
+        i: [distinct_corners(_pulled(hazards, clear, i, [route])[0])] for i, route in found.items()
+    }
 
 
 def pulled_routes(
@@ -53,7 +55,7 @@ def pulled_routes(
         goal = hazards.models[i].vehicle.goal
         ends = hazards.models[i].drift_position[:1], 0.5 * (goal.lower + goal.upper)
         found[i] = [
-            _distinct(np.vstack([ends[0], *_pulled(hazards, clear, i, route), ends[1]]))
+            distinct_corners(np.vstack([ends[0], *_pulled(hazards, clear, i, route), ends[1]]))
             for route in (parts[i], beside[i])
         ]
     return found
@@ -83,8 +85,14 @@ def _room(hazards: Hazards, i: int) -> float:
     return float(hazards.radii[i]) + TUNING.corner_sigmas * spread
 
 
-def _distinct(route: Matrix) -> Matrix:
-    """Return a route without points that repeat the one before."""
+def distinct_corners(route: Matrix) -> Matrix:
+    """Return a route without points that repeat the one before.
+
+    Parameters
+    ----------
+    route : (p, d) array
+        Points of the route [m].
+    """
     moved = np.linalg.norm(np.diff(route, axis=0), axis=1) > _LITTLE
     if not moved.any():
         return np.asarray(np.vstack([route[0], route[0] + _LITTLE]))

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.narrow.clear import Kept
 from radmpc.planners.certified.turned.narrow.displacements import (
     at_ends,
     beyond,
@@ -62,7 +62,7 @@ class Track:
     ----------
     vehicle : int
         Whose route it is.
-    places : (n, 2) array
+    places : (n, d) array
         Places at even distances [m].
     ends : (v, v, n) int array
         Where a move from a place ends, by the levels of speed at its begin and its end.
@@ -147,20 +147,20 @@ class Track:
 
 
 def track(
-    hazards: Hazards, i: int, route: Matrix, kept: tuple[Clear, float], fineness: float = 1.0
+    hazards: Hazards, i: int, route: Matrix, kept: Kept, fineness: float = 1.0
 ) -> Track | None:
     """Lay out a route.
 
     Parameters
     ----------
     hazards : Hazards
-        The fleet, in the plane.
+        The fleet.
     i : int
         Whose route it is: that of a double integrator.
-    route : (p, 2) array
+    route : (p, d) array
         Its corners, no two in a row at the same place [m].
-    kept : tuple of Clear and float
-        How far places are from obstacles, and standard deviations to keep from them [-].
+    kept : Kept
+        What it keeps from obstacles.
     fineness : float
         Places on the route, in multiples of the usual number [-].
 
@@ -174,7 +174,7 @@ def track(
     lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1)))
     reach = 0.5 * dt * fastest
     usual = float(np.clip(reach * _PER_RADIUS / hazards.radii[i], *_LEVELS)) * fineness
-    over_ground = fastest + float(np.abs(current).max())
+    over_ground = np.sqrt(route.shape[1]) * (fastest + float(np.abs(current).max()))
     for finest in range(math.ceil(usual), _LEVELS[0] - 1, -1):
         along, unit, level = _spread(float(lengths[-1]), finest / reach, (dt, over_ground))
         if along.size * level.size**2 * hazards.horizon <= _MOST:
@@ -184,7 +184,7 @@ def track(
     else:
         return None
     count = along.size
-    places = np.stack([np.interp(along, lengths, route[:, a]) for a in (0, 1)], axis=1)
+    places = np.stack([np.interp(along, lengths, axis) for axis in route.T], axis=1)
     pieces = np.clip(np.searchsorted(lengths, along + _TINY, side="right") - 1, 0, len(route) - 2)
     ahead = np.diff(route, axis=0) / np.diff(lengths)[:, None]
     speeds = unit * level[:, None, None] * ahead[pieces]
@@ -220,7 +220,7 @@ def _spread(
     density : float
         Places on it [1/m].
     speeds : tuple of float
-        The step [s], and the largest speed over ground along an axis [m/s].
+        The step [s], and the largest speed over ground [m/s].
 
     Returns
     -------
@@ -236,7 +236,7 @@ def _spread(
     count = 2 * max(1, round(length * density / 2.0)) + 1
     along = np.linspace(0.0, length, count)
     unit = max(2.0 * float(along[1]) / dt, _TINY)
-    num_faster = int(np.sqrt(2.0) * fastest / unit + _TINY)
+    num_faster = int(fastest / unit + _TINY)
     # Whoever is faster than that leaves the route, be it as short as of one that stays.
     return along, unit, np.arange(min(num_faster, count - 1) + 1)
 
@@ -282,13 +282,13 @@ def _limits(model: CondensedModel) -> tuple[float, float, Vector]:
     return dt, max(fastest, _TINY), np.abs(system.B[list(system.velocity or ())]) @ most
 
 
-def _lack(hazards: Hazards, i: int, places: Matrix, most: int, kept: tuple[Clear, float]) -> Matrix:
+def _lack(hazards: Hazards, i: int, places: Matrix, most: int, kept: Kept) -> Matrix:
     """Return the room that moves from place to place miss, (n, m) [m], by their length."""
     clear, clearance = kept[0].within_borders(float(hazards.radii[i])), kept[1]
     spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
     needed = float(hazards.radii[i]) + clearance * spread
     ends = np.minimum(np.arange(len(places))[:, None] + np.arange(most), len(places) - 1)
-    begin = np.broadcast_to(places[:, None], (*ends.shape, 2))
+    begin = np.broadcast_to(places[:, None], (*ends.shape, places.shape[1]))
     end = places[ends]
     half = 0.5 * np.linalg.norm(end - begin, axis=2)
     # No place of a move is farther from its middle than half of it.
