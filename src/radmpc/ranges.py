@@ -8,13 +8,25 @@ import numpy.typing as npt
 from radmpc.arguments import check_integer, field_integer, field_number, value_text
 from radmpc.errors import ScenarioError
 
-__all__ = ["LARGEST", "LEAST", "check_range", "check_size", "check_steps", "sized", "steps_ahead"]
+__all__ = [
+    "FILE_STEPS",
+    "LARGEST",
+    "LEAST",
+    "check_range",
+    "check_size",
+    "check_steps",
+    "sized",
+    "steps_ahead",
+]
 
 LARGEST = 1e9
 """Largest magnitude of a number of a scenario: beyond, squares and solvers lose all digits."""
 
 LEAST = 1e-100
 """Smallest of those that must be above zero: of much smaller ones the square is 0."""
+
+FILE_STEPS = 1000
+"""Steps of a scenario in a file [-], and the longest horizon that is tried as a cure."""
 
 _MOST_STEPS = 1_000_000
 """Steps of a horizon beyond which not even its scenario is made [-]."""

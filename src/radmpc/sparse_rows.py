@@ -14,7 +14,14 @@ from scipy.sparse import csr_array
 from radmpc.arrays import Indices, Integers, Matrix, Vector
 from radmpc.records import dataclass
 
-__all__ = ["SparseBlock", "diagonal_rows", "rows_of_entries", "sparse_block"]
+__all__ = [
+    "SparseBlock",
+    "diagonal_rows",
+    "negated",
+    "rows_of_entries",
+    "side_by_side",
+    "sparse_block",
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,6 +59,40 @@ def sparse_block(matrix: Matrix) -> SparseBlock:
     places = np.flatnonzero(entries)
     ends = places.searchsorted(np.arange(1, height + 1) * width)
     return SparseBlock(entries[places], places % width, ends, width)
+
+
+def negated(block: SparseBlock) -> SparseBlock:
+    """Return a block of the opposite signs.
+
+    Parameters
+    ----------
+    block : SparseBlock
+        The block.
+    """
+    return SparseBlock(-block.values, block.columns, block.ends, block.width)
+
+
+def side_by_side(blocks: Sequence[SparseBlock]) -> SparseBlock:
+    """Return blocks of equally many rows from left to right, entry by entry.
+
+    Dense rows, which are mostly zeros where a step depends on those before it, would grow with the
+    square of the horizon once more for each block.
+
+    Parameters
+    ----------
+    blocks : sequence of SparseBlock
+        The blocks.
+    """
+    sizes = np.array([np.diff(block.ends, prepend=0) for block in blocks])
+    # Row by row, and in it block by block.
+    begins = (np.cumsum(sizes.T.ravel()) - sizes.T.ravel()).reshape(-1, len(blocks)).T
+    total = int(sizes.sum())
+    values, columns, width = np.empty(total), np.empty(total, dtype=np.int64), 0
+    for block, size, begin in zip(blocks, sizes, begins, strict=True):
+        where = np.repeat(begin - (block.ends - size), size) + np.arange(block.values.size)
+        values[where], columns[where] = block.values, block.columns + width
+        width += block.width
+    return SparseBlock(values, columns, np.cumsum(sizes.sum(axis=0)), width)
 
 
 def rows_of_entries(

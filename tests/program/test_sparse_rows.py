@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy.sparse import block_diag, csr_array, eye_array, vstack
 
-from radmpc.sparse_rows import diagonal_rows, rows_of_entries, sparse_block
+from radmpc.sparse_rows import (
+    diagonal_rows,
+    negated,
+    rows_of_entries,
+    side_by_side,
+    sparse_block,
+)
 
 
 def blocks(rng: np.random.Generator) -> list[np.ndarray]:
@@ -46,3 +53,16 @@ def test_entries_are_sorted_by_row_and_column_and_zeros_are_left_out() -> None:
     np.testing.assert_array_equal(made.toarray()[rows, columns], values)
     assert made.nnz == 4
     assert made.has_sorted_indices
+
+
+@pytest.mark.parametrize("height", [0, 1, 5])
+def test_blocks_side_by_side_are_those_of_the_dense_rows(height: int) -> None:
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        some = [rng.normal(size=(height, w)) * rng.integers(0, 2, (height, w)) for w in (3, 1, 4)]
+        one, two, three = map(sparse_block, some)
+        ours = side_by_side([one, negated(two), three, negated(one)])
+        theirs = sparse_block(np.hstack([some[0], -some[1], some[2], -some[0]]))
+        for name in ("values", "columns", "ends"):
+            np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))
+        assert ours.width == theirs.width == 11

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.dynamics import LinearSystem
@@ -28,7 +29,7 @@ class PredictionMatrices:
     powers : (T+1, n, n) array
         ``A^k``.
     states : (T+1, n, T*m) array
-        State at k per control, controls step by step.
+        State at k per control, controls step by step; a view of 2 T n m numbers.
     position : (T+1, d, T*m) array
         Its position part.
     velocity : (T+1, d, T*m) array or None
@@ -56,13 +57,18 @@ class PredictionMatrices:
         powers[0] = np.eye(n)
         for k in range(horizon):
             powers[k + 1] = system.A @ powers[k]
-        impulses = powers @ system.B
-        # What was done at step j acts at step k as at step k - j what is done at first.
-        lags = np.arange(horizon + 1)[:, None] - 1 - np.arange(horizon)
-        blocks = np.where((lags >= 0)[:, :, None, None], impulses[np.maximum(lags, 0)], 0.0)
-        states = blocks.transpose(0, 2, 1, 3).reshape(horizon + 1, n, horizon * m)
-        velocity = None if system.velocity is None else states[:, list(system.velocity), :]
-        return cls(powers, states, states[:, list(system.position), :], velocity)
+        # What was done at step j acts at step k as at step k - j what is done at first, and not at
+        # all before: each step's rows are a window of the same line, a step on for the one before.
+        line = np.zeros((n, 2 * horizon, m))
+        line[:, :horizon] = (powers[:horizon] @ system.B)[::-1].transpose(1, 0, 2)
+        rows = sliding_window_view(line.reshape(n, 2 * horizon * m), horizon * m, axis=1)[:, ::-m]
+
+        def laid_out(axes: tuple[int, ...]) -> Tensor:
+            # Axis by axis, as programs and boxes read them.
+            return np.array([rows[axis] for axis in axes]).transpose(1, 0, 2)
+
+        velocity = None if system.velocity is None else laid_out(system.velocity)
+        return cls(powers, rows.transpose(1, 0, 2), laid_out(system.position), velocity)
 
     def coasting(self, start: Vector, drift: Vector | Matrix | None, horizon: int) -> Matrix:
         """Return the mean states without any control, (T+1, n).

@@ -9,6 +9,9 @@ from radmpc.model.vehicle import Vehicle
 
 __all__ = ["reach_by_boxes", "reach_by_speeds"]
 
+_STEPS = 128
+"""Steps whose positions are bounded at once [-]: they stay in the processor's cache."""
+
 
 def reach_by_boxes(
     vehicle: Vehicle, position: Tensor, drift: Matrix, bounds: Vector
@@ -31,8 +34,12 @@ def reach_by_boxes(
     lower, upper : (T+1, d) array
         Corners of a box at each step [m].
     """
-    spread = np.abs(position) @ bounds
-    to_goal = np.abs(position[-1] - position) @ bounds
+    spread, to_goal = np.empty_like(drift), np.empty_like(drift)
+    # All steps at once would need twice the memory of the positions, of which every page is new.
+    for first in range(0, len(position), _STEPS):
+        here = slice(first, first + _STEPS)
+        spread[here] = np.abs(position[here]) @ bounds
+        to_goal[here] = np.abs(position[-1] - position[here]) @ bounds
     still = drift[-1] - drift
     lower = np.maximum(drift - spread, vehicle.goal.lower - still - to_goal)
     upper = np.minimum(drift + spread, vehicle.goal.upper - still + to_goal)

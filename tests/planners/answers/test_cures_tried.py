@@ -20,6 +20,7 @@ from radmpc import (
     from_dict,
     plan,
 )
+from radmpc.planners.certified.infeasible import cures
 from radmpc.planners.certified.infeasible.cures import find_cures
 from radmpc.planners.cures.trying import passage_sentence, reach_sentence
 from radmpc.planners.cures.variants import (
@@ -91,6 +92,29 @@ def test_horizons_to_try_are_longer_each():
     short = replace(pair(), horizon=1)
     assert longer_horizons(short) == (2,)
     assert longer_horizons(pair()) == (12, 16, 22)
+    assert longer_horizons(replace(pair(), horizon=500)) == (625, 800, 1000)
+    assert longer_horizons(replace(pair(), horizon=1000)) == ()
+
+
+@pytest.mark.parametrize(
+    ("horizon", "told"),
+    [(300, ["a horizon of 600 steps"]), (900, ["a horizon of 1000 steps"]), (1000, [])],
+)
+def test_no_horizon_is_tried_that_no_file_holds(
+    horizon: int, told: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried: list[int] = []
+
+    def too_short(_: Scenario, asked: int) -> None:
+        tried.append(asked)
+
+    monkeypatch.setattr(cures, "with_horizon", too_short)
+    one = pair().vehicles[0]
+    late = replace(one, goal=Goal.at([1e8, 0.0], 0.2))
+    alone = replace(pair(), horizon=horizon, vehicles=(late,))
+    failed = find_cures(alone, Limits()).failed
+    assert max(tried) == 1000
+    assert [each for each in failed if "horizon" in each] == told
 
 
 def test_windows_that_end_with_the_horizon_are_lengthened_with_it() -> None:
@@ -125,8 +149,7 @@ def test_a_longer_horizon_and_feedback_are_tried_together_where_neither_does_alo
         Obstacle.box("pier", [10.0, 0.0], [12.0, 4.0]),
     )
     scenario = Scenario("slow", 1.0, 12, 0.05, [slow], obstacles, workspace=workspace)
-    cures = find_cures(scenario, Limits())
-    [told] = cures.found
+    [told] = find_cures(scenario, Limits()).found
     horizon = re.search(r"lengthen the horizon to (\d+) steps .*, and add feedback \(lqr", told)
     weight = re.search(r"R = (\S+) does", told)
     assert horizon is not None, told

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 from radmpc.io.native.numbers import MARK, Matrix, Number, ScalarOrVector, Square, Text, Vector
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, SCENARIO_FORMAT
+from radmpc.ranges import FILE_STEPS
 
 __all__ = [
     "MOST_VISITS",
@@ -42,9 +43,6 @@ _MOST_CORNERS = 2000
 
 _MOST_SAMPLES = 1_000_000
 """Independent steps that covariances were estimated from: beyond, they are known."""
-
-_MOST_STEPS = 1000
-"""Steps of one scenario."""
 
 
 _MOST_RANGES = 10_000
@@ -272,7 +270,7 @@ class ScenarioSpec(FileModel):
     format: Literal["radmpc/scenario/1"]
     name: Text
     dt: Number
-    horizon: Annotated[int, Field(le=_MOST_STEPS)]
+    horizon: Annotated[int, Field(le=FILE_STEPS)]
     risk_bound: Number
     avoidance: Literal["steps", "intervals"] = "intervals"
     pair_faces: Annotated[int, Field(le=360)] | None = None

@@ -12,6 +12,7 @@ from radmpc.model.dynamics import lqr_gain
 from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.ranges import FILE_STEPS
 
 __all__ = [
     "LIMIT_FACTORS",
@@ -51,12 +52,14 @@ def longer_horizons(scenario: Scenario) -> tuple[int, ...]:
     Returns
     -------
     tuple of int
-        Empty where outlines are given step by step, for this horizon alone.
+        Empty where outlines are given step by step, for this horizon alone, and where files hold no
+        longer one.
     """
     if any(isinstance(obstacle.shape, MovingShape) for obstacle in scenario.obstacles):
         return ()
     horizon = scenario.horizon
-    return tuple(sorted({max(horizon + 1, round(factor * horizon)) for factor in _LONGER}))
+    longer = (max(horizon + 1, round(factor * horizon)) for factor in _LONGER)
+    return tuple(sorted({min(each, FILE_STEPS) for each in longer if horizon < FILE_STEPS}))
 
 
 def with_horizon(scenario: Scenario, horizon: int) -> Scenario | None:

@@ -107,7 +107,9 @@ class FleetModel:
         if pushes is not None and pushes.ndim > 1:
             pushes = pushes[k:]
         states = prediction.coasting(mean, pushes, steps)
-        return np.asarray(states + prediction.states[: steps + 1, :, : rest.size] @ rest)
+        # A view whose rows overlap: copied, BLAS multiplies it.
+        moved = np.ascontiguousarray(prediction.states[: steps + 1, :, : rest.size]) @ rest
+        return np.asarray(states + moved)
 
     def window_risk(
         self,

@@ -8,7 +8,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.limits.norms import control_norm_rows, speed_norm_rows
 from radmpc.records import dataclass
-from radmpc.sparse_rows import SparseBlock, sparse_block
+from radmpc.sparse_rows import SparseBlock, negated, side_by_side, sparse_block
 
 __all__ = ["HardRows", "hard_rows", "keeps_hard_rows", "split_hard_rows"]
 
@@ -49,7 +49,8 @@ def split_hard_rows(model: CondensedModel) -> HardRows:
 def _split(model: CondensedModel) -> HardRows:
     """Compute them."""
     rows, lower, upper = hard_rows(model)
-    return HardRows(sparse_block(np.hstack([rows, -rows])), lower, upper)
+    block = sparse_block(rows)
+    return HardRows(side_by_side([block, negated(block)]), lower, upper)
 
 
 def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:

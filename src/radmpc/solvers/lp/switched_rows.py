@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 from radmpc.arrays import Vector
 from radmpc.solvers.lp.bounded_lp import BoundedLp
 
-__all__ = ["SwitchedRows"]
+__all__ = ["Key", "SwitchedRows"]
 
 Key = tuple[int, int]
 """What some rows stand for, as a visit at a step."""

@@ -20,7 +20,8 @@ from radmpc.planners.certified.turned.touring.leg_steps import steps_by_legs
 from radmpc.planners.certified.turned.touring.shifting import shifted, warped
 from radmpc.planners.certified.turned.touring.tour import Tour, tour
 from radmpc.planners.certified.turned.touring.touring import Touring
-from radmpc.planners.certified.turned.touring.visiting import VisitLp, at_good_visits, good_steps
+from radmpc.planners.certified.turned.touring.visit_lp import VisitLp
+from radmpc.planners.certified.turned.touring.visiting import at_good_visits, good_steps
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards

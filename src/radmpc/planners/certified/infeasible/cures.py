@@ -30,6 +30,7 @@ from radmpc.planners.within_norms import models_within_norms
 from radmpc.planners.wording import listed
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
+from radmpc.ranges import FILE_STEPS
 from radmpc.records import dataclass
 from radmpc.solvers.solution import Limits
 
@@ -201,7 +202,7 @@ def _longer(scenario: Scenario, limits: Limits) -> int | str:
         return ""
     first = _least_time(scenario, limits)
     last, step = max(scenario.horizon, first - 1), 1
-    most = 2 * max(first, scenario.horizon)
+    most = min(2 * max(first, scenario.horizon), max(scenario.horizon, FILE_STEPS))
     begun = last
     while last < most and not limits.reached:
         tried = min(last + step, most)
@@ -217,8 +218,9 @@ def _least_time(scenario: Scenario, limits: Limits) -> int:
     """Return the fewest steps, the scenario's at least, in which all reach their goals alone."""
     failed, works = scenario.horizon - 1, scenario.horizon
     while not _reaches(scenario, works):
-        failed, works = works, works + (works + 1) // 2
-        if limits.reached or works > TUNING.most_times * scenario.horizon:
+        failed, works = works, min(works + (works + 1) // 2, max(works, FILE_STEPS))
+        is_longest = works == failed or works > TUNING.most_times * scenario.horizon
+        if limits.reached or is_longest:
             return scenario.horizon
     between = range(failed + 1, works)
     return between.start + bisect_left(between, True, key=partial(_reaches, scenario))

@@ -20,7 +20,7 @@ from radmpc.model.visits import steps_of_visits
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.proof.leg_chain import LegChain
 from radmpc.planners.certified.proof.leg_speeds import Table, leg_efforts
-from radmpc.planners.certified.turned.touring.visiting import VisitLp
+from radmpc.planners.certified.turned.touring.visit_lp import VisitLp
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.visits.columns import has_choice_of_arrival, is_disjunctive
 from radmpc.records import dataclass, field, replace

@@ -6,9 +6,9 @@ import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.limits.hard import hard_rows
+from radmpc.program.limits.hard import split_hard_rows
 from radmpc.records import dataclass
-from radmpc.sparse_rows import SparseBlock, sparse_block
+from radmpc.sparse_rows import SparseBlock, negated, side_by_side, sparse_block
 
 __all__ = ["Member", "member_of"]
 
@@ -53,16 +53,22 @@ def _member(model: CondensedModel) -> Member:
     most = np.maximum(np.tile(model.control_bounds.ravel(), 2), 0.0)
     effort = np.full(2 * span, model.vehicle.cost_weight)
     free = np.full(count, np.inf)
-    rows, lower, upper = hard_rows(model)
-    prediction = positions.reshape(count, span)
-    drift = model.drift_position[1:].ravel()
-    hard = np.hstack([rows, -rows, np.zeros((len(rows), count))])
-    motion = np.hstack([-prediction, prediction, np.eye(count)])
+    hard, drift = split_hard_rows(model), model.drift_position[1:].ravel()
+    moved, each = sparse_block(positions.reshape(count, span)), np.arange(count)
+    held = SparseBlock(np.ones(count), each, each + 1, count)
+    motion = side_by_side([negated(moved), moved, held])
+    begun = hard.rows.ends[-1] if hard.rows.ends.size else 0
+    rows = SparseBlock(
+        np.concatenate([hard.rows.values, motion.values]),
+        np.concatenate([hard.rows.columns, motion.columns]),
+        np.concatenate([hard.rows.ends, motion.ends + begun]),
+        motion.width,
+    )
     return Member(
         cost=np.concatenate([effort, np.zeros(count)]),
         lower=np.concatenate([np.zeros(2 * span), -free]),
         upper=np.concatenate([most, free]),
-        rows=sparse_block(np.vstack([hard, motion])),
-        row_lower=np.concatenate([lower, drift]),
-        row_upper=np.concatenate([upper, drift]),
+        rows=rows,
+        row_lower=np.concatenate([hard.lower, drift]),
+        row_upper=np.concatenate([hard.upper, drift]),
     )
