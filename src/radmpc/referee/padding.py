@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor
+from radmpc.arrays import Matrix, Tensor, distinct
 from radmpc.geometry import Polytope
 from radmpc.referee.contact import solid_of
 
@@ -54,7 +54,7 @@ def _padded(every: Sequence[Tensor], before: Tensor | None = None) -> Tensor:
     padded = np.empty((len(every), first + int(counts.max()), *every[0].shape[1:]))
     if before is not None:
         padded[:, :first] = before
-    for count in np.unique(counts).tolist():
+    for count in distinct(counts).tolist():
         which = np.flatnonzero(counts == count)
         padded[which, first : first + count] = np.array([every[k] for k in which.tolist()])
         padded[which, first + count :] = padded[which, :1]
