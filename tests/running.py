@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners import Run
+from radmpc.planners.certified.phases import searching
 from radmpc.planning import plan
 from radmpc.result import Result
 from radmpc.solvers.solution import Limits
@@ -33,6 +37,20 @@ def first_plan(scenario: Scenario, *, time_limit: float) -> Result:
         found=lambda cost, bound: told.append(cost),
         stop=lambda: bool(told),
     )
+
+
+def plan_before_any_search(scenario: Scenario, patches: pytest.MonkeyPatch) -> Plan:
+    """Return the first certified plan; fails where a search of all sides comes before it."""
+    found: list[Plan] = []
+    before = searching.at_prices
+
+    def searched(*asked: Any) -> Any:
+        assert found, "nothing but a search of all sides led to a plan"
+        return before(*asked)
+
+    patches.setattr(searching, "at_prices", searched)
+    plan(scenario, improved=found.append, stop=lambda: bool(found))
+    return found[0]
 
 
 def need_gurobi() -> None:

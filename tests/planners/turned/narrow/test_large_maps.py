@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
-from radmpc import Goal, Obstacle, Plan, Scenario, Vehicle, Workspace, double_integrator, plan
-from radmpc.planners.certified.phases import searching
+from radmpc import Goal, Obstacle, Scenario, Vehicle, Workspace, double_integrator
 from radmpc.planners.certified.turned.detours import detours
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.routes import shortest_routes
 from radmpc.planners.certified.turned.narrow.track import track
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
+from running import plan_before_any_search
 
 CLEARANCE = 2.0
 
@@ -82,17 +81,9 @@ def windows() -> Scenario:
 def test_ways_that_are_narrow_beside_the_hall_have_a_plan_before_any_search(
     made: Callable[[], Scenario], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scenario, found = made(), list[Plan]()
+    scenario = made()
     assert detours(hazards_of(scenario), [0], CLEARANCE) == {}
-    before = searching.at_prices
-
-    def searched(*asked: Any) -> Any:
-        assert found, "nothing but a search of all sides led to a plan"
-        return before(*asked)
-
-    monkeypatch.setattr(searching, "at_prices", searched)
-    plan(scenario, improved=found.append, stop=lambda: bool(found))
-    certified = found[0].risk.certified
+    certified = plan_before_any_search(scenario, monkeypatch).risk.certified
     assert certified is not None
     assert certified <= 0.05
 

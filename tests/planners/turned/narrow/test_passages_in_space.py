@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,16 +11,13 @@ import pytest
 from radmpc import (
     Goal,
     Obstacle,
-    Plan,
     Scenario,
     Vehicle,
     Visit,
     Workspace,
     double_integrator,
-    plan,
 )
 from radmpc.arrays import Matrix
-from radmpc.planners.certified.phases import searching
 from radmpc.planners.certified.turned.detours import detours
 from radmpc.planners.certified.turned.grid import Grid
 from radmpc.planners.certified.turned.narrow.cheapest import _shortest as shortest_routes
@@ -30,6 +26,7 @@ from radmpc.planners.certified.turned.narrow.track import Track
 from radmpc.planners.certified.turned.straight import StandingFaces, are_open, pulled
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
+from running import plan_before_any_search
 
 CLEARANCE = 2.0
 
@@ -92,16 +89,7 @@ def is_outside(route: Matrix) -> bool:
 def test_drones_in_narrow_passages_have_a_plan_before_any_search(
     count: int, passages: Mapping[float, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scenario, found = canyon(count, passages), list[Plan]()
-    before = searching.at_prices
-
-    def searched(*asked: Any) -> Any:
-        assert found, "nothing but a search of all sides led to a plan"
-        return before(*asked)
-
-    monkeypatch.setattr(searching, "at_prices", searched)
-    plan(scenario, improved=found.append, stop=lambda: bool(found))
-    certified = found[0].risk.certified
+    certified = plan_before_any_search(canyon(count, passages), monkeypatch).risk.certified
     assert certified is not None
     assert certified <= 0.05
 
