@@ -247,7 +247,7 @@ def test_what_limits_exclude_is_infeasible():
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", range(2))
 def test_the_planner_keeps_limits_and_goals_and_is_judged(seed):
-    result = plan(paper(3, seed), "rmpc-rrt")
+    result = plan(paper(2, seed), "rmpc-rrt")
     assert result.status is Status.FEASIBLE
     assert result.certificate.problems == ()
     assert result.certificate.certified > 0.0

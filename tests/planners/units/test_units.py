@@ -75,7 +75,7 @@ def in_own_units(scenario: Scenario) -> Result:
     return radmpc.plan(scenario)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @UNITS
 @pytest.mark.parametrize(
     "scenario",

@@ -71,7 +71,7 @@ MUTANTS = [
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize(("scene", "mutant"), MUTANTS)
 def test_rows_are_charged_wrongly_by_who_mistakes_what_is_known(scene, mutant, monkeypatch):
     witnesses = witnesses_of(SCENES[scene]("intervals"))

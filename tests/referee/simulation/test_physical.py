@@ -38,7 +38,7 @@ def test_most_missions_of_the_clipped_scenes_saturate():
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "scene",
     [s for s in SCENES if not s.__name__.startswith("clipped")],
