@@ -23,7 +23,7 @@ from radmpc.planners.certified.turned.grid import Grid
 from radmpc.planners.certified.turned.narrow.cheapest import _shortest as shortest_routes
 from radmpc.planners.certified.turned.narrow.closeness import closeness, passing_by
 from radmpc.planners.certified.turned.narrow.track import Track
-from radmpc.planners.certified.turned.straight import StandingFaces, are_open, pulled
+from radmpc.planners.certified.turned.straight import StandingFaces, pulled
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from running import plan_before_any_search
@@ -103,7 +103,7 @@ def test_planes_beside_faces_tell_passages_that_points_far_apart_do_not() -> Non
     assert len(grid.points) < 100_000
     route = detours(hazards, [0], CLEARANCE, grid)[0]
     assert is_outside(route)
-    straight = pulled(hazards, route, 0.5)
+    straight = pulled(StandingFaces.of(hazards), route, 0.5)
     assert is_outside(straight)
     assert len(straight) < len(route)
     lengths = [np.linalg.norm(np.diff(one, axis=0), axis=1).sum() for one in (route, straight)]
@@ -131,7 +131,7 @@ def test_straight_pieces_are_open_as_dense_samples_tell() -> None:
         [around.at(a + shares * (b - a)).min() for a, b in zip(begin, end, strict=True)]
     )
     is_clear = np.abs(least - room) > 0.02
-    told = are_open(hazards, begin, end, room)
+    told = StandingFaces.of(hazards).are_open(begin, end, room)
     assert np.array_equal(told[is_clear], least[is_clear] > room)
     assert 0.2 < told.mean() < 0.8
     near = least < around.far

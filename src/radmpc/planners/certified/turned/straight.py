@@ -9,7 +9,7 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
 
-__all__ = ["StandingFaces", "are_open", "pulled"]
+__all__ = ["StandingFaces", "pulled"]
 
 _FOLLOWING = 200
 """Corners ahead of each that it is pulled straight to, at most [-]."""
@@ -31,51 +31,25 @@ _TINY = 1e-12
 """Stands for a slope of 0 where one divides by it [m]."""
 
 
-def are_open(
-    hazards: Hazards, begin: Matrix, end: Matrix, clearance: float | Vector = 0.0
-) -> npt.NDArray[np.bool_]:
-    """Whether straight pieces keep away from what stands, (m,).
-
-    Parameters
-    ----------
-    hazards : Hazards
-        The fleet and the obstacles.
-    begin, end : (m, d) array
-        Ends of the pieces [m].
-    clearance : float or (m,) array
-        How far they stay from the faces [m]; 0 where touching is all that counts.
-    """
-    around = StandingFaces.of(hazards)
-    faces, offsets = around.faces, around.offsets + np.reshape(clearance, (-1, 1, 1))
-    from_begin = np.einsum("md,ofd->mof", begin, faces)
-    slopes = np.einsum("md,ofd->mof", end - begin, faces)
-    shares = (offsets - from_begin) / np.where(np.abs(slopes) < _TINY, _TINY, slopes)
-    # Inside a piece are the shares of the way that are behind none of its faces.
-    entered = np.where(slopes < 0.0, shares, 0.0).max(axis=2, initial=0.0)
-    left = np.where(slopes > 0.0, shares, 1.0).min(axis=2, initial=1.0)
-    is_beside = ((np.abs(slopes) < _TINY) & (from_begin >= offsets)).any(axis=2)
-    return np.asarray(((entered >= left) | is_beside).all(axis=1))
-
-
-def pulled(hazards: Hazards, route: Matrix, clearance: float) -> Matrix:
+def pulled(around: StandingFaces, route: Matrix, clearance: float) -> Matrix:
     """Return the corners of a route, pulled straight where it keeps off, or loses nothing.
 
     Parameters
     ----------
-    hazards : Hazards
-        The fleet and the obstacles.
+    around : StandingFaces
+        What stands.
     route : (p, d) array
         Corners of the route [m].
     clearance : float
         Distance from obstacles that is worth a longer route [m].
     """
-    here, kept, i = StandingFaces.of(hazards).at(route), [0], 0
+    here, kept, i = around.at(route), [0], 0
     while i < len(route) - 1:
         following = np.arange(i + 1, min(len(route), i + 1 + _FOLLOWING))
         begin = np.broadcast_to(route[i], (len(following), route.shape[1]))
         before = np.minimum.accumulate(here[i : following[-1] + 1])[1:]
         kept_off = np.minimum(clearance, before) - _LOST
-        is_open = are_open(hazards, begin, route[following], kept_off)
+        is_open = around.are_open(begin, route[following], kept_off)
         is_open[0] = True
         i = int(following[np.flatnonzero(is_open)[-1]])
         kept.append(i)
@@ -124,6 +98,28 @@ class StandingFaces:
         spread = float(np.sqrt(hazards.variances.max(initial=0.0)))
         far = float(hazards.radii.max()) + _FAR * spread
         return cls(faces, offsets, boxes, _LOOKED_AT * float(hazards.radii.min()), far)
+
+    def are_open(
+        self, begin: Matrix, end: Matrix, clearance: float | Vector = 0.0
+    ) -> npt.NDArray[np.bool_]:
+        """Whether straight pieces keep away from what stands, (m,).
+
+        Parameters
+        ----------
+        begin, end : (m, d) array
+            Ends of the pieces [m].
+        clearance : float or (m,) array
+            How far they stay from the faces [m]; 0 where touching is all that counts.
+        """
+        offsets = self.offsets + np.reshape(clearance, (-1, 1, 1))
+        from_begin = np.einsum("md,ofd->mof", begin, self.faces)
+        slopes = np.einsum("md,ofd->mof", end - begin, self.faces)
+        shares = (offsets - from_begin) / np.where(np.abs(slopes) < _TINY, _TINY, slopes)
+        # Inside a piece are the shares of the way that are behind none of its faces.
+        entered = np.where(slopes < 0.0, shares, 0.0).max(axis=2, initial=0.0)
+        left = np.where(slopes > 0.0, shares, 1.0).min(axis=2, initial=1.0)
+        is_beside = ((np.abs(slopes) < _TINY) & (from_begin >= offsets)).any(axis=2)
+        return np.asarray(((entered >= left) | is_beside).all(axis=1))
 
     def within_borders(self, _radius: float) -> StandingFaces:
         """Return the same: routes do not lead past borders, nor do straight pieces of them."""

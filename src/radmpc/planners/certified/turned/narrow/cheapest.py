@@ -11,7 +11,7 @@ from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.detours import NARROW, Toll, detours
 from radmpc.planners.certified.turned.grid import Grid, finest
 from radmpc.planners.certified.turned.narrow.route import Route
-from radmpc.planners.certified.turned.straight import are_open, pulled
+from radmpc.planners.certified.turned.straight import StandingFaces, pulled
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.hazards import Hazards
@@ -114,33 +114,35 @@ def _shortest(
     Between points of a coarse grid an obstacle may stand.
     """
     found = detours(hazards, stopped, clearance, grid)
-    is_space = hazards.dimension != _PLANE
+    around = None if hazards.dimension == _PLANE else StandingFaces.of(hazards)
     left = [
         int(i)
         for i in stopped
-        if i not in found or (is_space and not _is_open(hazards, found[int(i)]))
+        if i not in found or not (around is None or _is_open(around, found[int(i)]))
     ]
     count = finest(hazards)[0] if left else 0
     if count <= max(grid.shape):
         return found
-    finer = Grid.beside_faces(hazards, clearance) if is_space else None
-    if finer is None:
+    finer = None if around is None else Grid.beside_faces(hazards, clearance)
+    if around is None or finer is None:
         return found | detours(hazards, left, clearance, Grid.of(hazards, count))
     others = detours(hazards, left, clearance, finer)
-    return found | {i: _pulled(hazards, i, route, clearance) for i, route in others.items()}
+    for i, route in others.items():
+        # Pulled straight it would lead past visits.
+        is_straight = not hazards.models[i].vehicle.via
+        found[i] = pulled(around, route, _room(hazards, i, clearance)) if is_straight else route
+    return found
 
 
-def _pulled(hazards: Hazards, i: int, route: Matrix, clearance: float) -> Matrix:
-    """Return a vehicle's route, pulled straight unless it leads to visits."""
-    if hazards.models[i].vehicle.via:
-        return route
+def _room(hazards: Hazards, i: int, clearance: float) -> float:
+    """Return how far a vehicle's center keeps from obstacles [m]."""
     spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
-    return pulled(hazards, route, float(hazards.radii[i]) + clearance * spread)
+    return float(hazards.radii[i]) + clearance * spread
 
 
-def _is_open(hazards: Hazards, route: Matrix) -> bool:
+def _is_open(around: StandingFaces, route: Matrix) -> bool:
     """Whether a route leads through no obstacle."""
-    return bool(are_open(hazards, route[:-1], route[1:]).all())
+    return bool(around.are_open(route[:-1], route[1:]).all())
 
 
 @dataclass(slots=True, eq=False)
